@@ -1,0 +1,130 @@
+/// @file
+/// PROPS and STATEV of the UMAT: one table each, which the checks, the messages and the manual's tables
+/// share.
+#ifndef MYOGROWTH_ABI_PROPERTIES_HPP
+#define MYOGROWTH_ABI_PROPERTIES_HPP
+
+#include <myogrowth/kernel.hpp>
+
+namespace myogrowth {
+namespace abi {
+
+/// What a value must be.
+enum class Allowed { positive, not_negative, above_one, bulk_positive, any, zero_or_one };
+
+/// One entry of PROPS.
+struct Property {
+  const char* symbol;
+  const char* unit;
+  const char* meaning;
+  double initial;  ///< taken when PROPS ends before this entry
+  Allowed allowed;
+};
+
+/// One entry of STATEV.
+struct StateVariable {
+  const char* symbol;
+  const char* meaning;
+};
+
+constexpr int n_props = 11;           ///< entries that mean something
+constexpr int n_props_required = 6;   ///< entries that have no default
+constexpr int n_statev = 8;           ///< entries that the UMAT keeps, as far as NSTATV has room
+constexpr int n_statev_required = 1;  ///< G has to be remembered
+
+constexpr Property props_table[n_props] = {
+    {"c1", "stress", "first Lamé constant", 0, Allowed::bulk_positive},
+    {"c2", "stress", "second Lamé constant (shear modulus)", 0, Allowed::positive},
+    {"tau", "time", "time constant of growth", 0, Allowed::positive},
+    {"gamma", "-", "shape exponent of the adaptation function", 0, Allowed::not_negative},
+    {"G_max", "-", "largest relative serial sarcomere number", 0, Allowed::above_one},
+    {"lambda_crit", "-", "elastic fibre stretch above which sarcomeres are added", 0, Allowed::positive},
+    {"n0_1", "-", "fibre direction n0, reference configuration; any length > 0", 1, Allowed::any},
+    {"n0_2", "-", "(second component)", 0, Allowed::any},
+    {"n0_3", "-", "(third component)", 0, Allowed::any},
+    {"frame", "-", "0: DFGRD1 is F in fixed axes; 1: local basis, F := sqrt(DFGRD1 DFGRD1^T)", 0,
+     Allowed::zero_or_one},
+    {"energy", "-", "psi per unit 0: reference volume, 1: grown volume", 0, Allowed::zero_or_one},
+};
+
+constexpr StateVariable statev_table[n_statev] = {
+    {"G", "relative serial sarcomere number; 0 on entry: not initialised, taken as 1"},
+    {"lambda_e", "elastic fibre stretch lambda/G (relative sarcomere length)"},
+    {"lambda", "total fibre stretch"},
+    {"J", "det F, volume ratio"},
+    {"Je", "J/G, elastic volume ratio"},
+    {"n0_1", "reference fibre direction at this point; if not zero on entry it overrides PROPS(7:9)"},
+    {"n0_2", "(second component)"},
+    {"n0_3", "(third component)"},
+};
+
+/// What is allowed, in words.
+inline const char* text(Allowed allowed) {
+  switch (allowed) {
+    case Allowed::positive:
+      return "> 0";
+    case Allowed::not_negative:
+      return ">= 0";
+    case Allowed::above_one:
+      return "> 1";
+    case Allowed::bulk_positive:
+      return "> -2/3 c2 (positive bulk modulus)";
+    case Allowed::any:
+      return "finite";
+    case Allowed::zero_or_one:
+      return "0 or 1";
+  }
+  return "";
+}
+
+/// Whether `x` is allowed; c2 is the second Lamé constant.
+inline bool is_allowed(Allowed allowed, double x, double c2) {
+  if (!is_finite(x)) return false;
+  switch (allowed) {
+    case Allowed::positive:
+      return x > 0;
+    case Allowed::not_negative:
+      return x >= 0;
+    case Allowed::above_one:
+      return x > 1;
+    case Allowed::bulk_positive:
+      return !(c2 > 0) || x > -2 * c2 / 3;  // a bad c2 is reported as such
+    case Allowed::any:
+      return true;
+    case Allowed::zero_or_one:
+      return x == 0 || x == 1;
+  }
+  return false;
+}
+
+/// PROPS in the kernel's terms.
+struct Properties {
+  FibreGrowth<double> material;
+  double n0[3];
+  bool local_basis;
+};
+
+/// Reads PROPS(1:n), n >= n_props_required, with the table's defaults for what is missing. Returns the index
+/// of the first entry that is not allowed (the entries beyond the table must be 0), or -1 if all are.
+inline int read(const double* props, int n, Properties& out) {
+  double p[n_props];
+  for (int i = 0; i < n_props; ++i) p[i] = i < n ? props[i] : props_table[i].initial;
+  for (int i = 0; i < n_props; ++i) {
+    if (!is_allowed(props_table[i].allowed, p[i], p[1])) return i;
+  }
+  for (int i = n_props; i < n; ++i) {
+    if (props[i] != 0) return i;
+  }
+  out.material.c1 = p[0];
+  out.material.c2 = p[1];
+  out.material.growth = GrowthRate<double>{p[2], p[3], p[4], p[5]};
+  for (int i = 0; i < 3; ++i) out.n0[i] = p[6 + i];
+  out.local_basis = p[9] != 0;
+  out.material.energy = p[10] != 0 ? EnergyPer::grown_volume : EnergyPer::reference_volume;
+  return -1;
+}
+
+}  // namespace abi
+}  // namespace myogrowth
+
+#endif

@@ -1,0 +1,235 @@
+/// @file
+/// The whole update of one material point in closed form, on plain numbers: growth, stress and tangent.
+///
+/// Second-order tensors that need not be symmetric (F, P) are 9 numbers, column by column; symmetric ones are
+/// 6, in the order 11 22 33 12 13 23; fourth-order ones with both minor symmetries are 6 x 6, column by
+/// column, where a column belongs to an engineering shear. These are the layouts of Fortran and of Abaqus.
+///
+/// Nothing here is inverted or multiplied out: with f = F n0,
+///
+///   b_e = F F^T + (1/G^2 - 1) f⊗f,  J_e = J/G                                               (eqs 1, 2)
+///   tau = c1 ln(J_e) I + c2 (b_e - I)                                                         (eq. 3)
+///   J DDSDDE = c1 I⊗I + c2 (I∘b_e + b_e∘I) + (dG/dlambda / lambda) dtau/dG ⊗ (f⊗f)
+///
+/// where (I∘b + b∘I):D = b D + D b. The forms keep their accuracy at small strain: they start from H = F - I.
+/// material.hpp is the same with Eigen types; growth_tensor.hpp and neo_hookean.hpp are the definitions it is
+/// held to.
+#ifndef MYOGROWTH_KERNEL_HPP
+#define MYOGROWTH_KERNEL_HPP
+
+#include "growth_solve.hpp"
+
+namespace myogrowth {
+
+/// The volume that the energy psi of eq. 3 is counted per. The literature has both (docs/theory.md).
+enum class EnergyPer {
+  reference_volume,  ///< the paper's own formulas; the default
+  grown_volume       ///< psi and every stress are G times larger
+};
+
+/// The material: neo-Hookean elasticity of the grown muscle, growth along the fibre. Defaults: the paper's
+/// Table 1 (kPa, days). P as in GrowthRate.
+template <class P = double>
+struct FibreGrowth {
+  P c1 = P(16);          ///< first Lamé constant, c1 + 2/3 c2 > 0 [stress]
+  P c2 = P(4);           ///< second Lamé constant, > 0 [stress]
+  GrowthRate<P> growth;  ///< eq. 4
+  EnergyPer energy = EnergyPer::reference_volume;
+};
+
+/// What became of an update. Everything but ok leaves the state as it was and the stresses NaN.
+enum class Status {
+  ok = 0,
+  not_finite,  ///< NaN or infinity in F, n0, G or dt, or a result beyond the range of the scalar
+  inverted,    ///< det F <= 0
+  no_fibre,    ///< n0 has no direction: its length is zero
+  bad_state    ///< G <= 0
+};
+
+/// Result of update_point.
+template <class T>
+struct PointUpdate {
+  Status status;
+  int iterations;  ///< Newton steps of the growth equation
+  T G;             ///< sarcomere number at the end of the step [-]
+  T dG_dlambda;    ///< consistent derivative of G with respect to lambda [-]
+  T lambda;        ///< total fibre stretch [-]
+  T lambda_e;      ///< elastic fibre stretch, lambda/G [-]
+  T J, Je;         ///< det F and det F_e [-]
+  T psi;           ///< energy per unit reference volume [stress]
+  T c1, c2;      ///< Lamé constants that the stress is formed with: G times the material's for grown_volume
+  T f[3];        ///< deformed fibre F n0 [-]
+  T be[6];       ///< elastic left Cauchy-Green tensor [-]
+  T tau[6];      ///< Kirchhoff stress [stress]
+  T dtau_dG[6];  ///< its derivative with respect to G at fixed F [stress]
+};
+
+/// Makes n0 of any length a unit vector. False if it has no direction (zero, NaN or infinite).
+/// A vector that is of unit length to rounding comes back bit for bit.
+template <class T>
+bool normalise(const T n0[3], T unit[3]) {
+  using V = Real<T>;
+  V scale(0);
+  for (int i = 0; i < 3; ++i) {
+    if (!is_finite(n0[i])) return false;
+    const V size = value(n0[i]) < 0 ? -value(n0[i]) : value(n0[i]);
+    if (size > scale) scale = size;
+  }
+  if (!(scale > 0)) return false;
+  const T x = n0[0] / scale, y = n0[1] / scale, z = n0[2] / scale;
+  const T length = sqrt(x * x + y * y + z * z);
+  const V rounding = value(length) * scale - 1;
+  const V eps = 2 * std::numeric_limits<V>::epsilon();
+  const bool is_unit = std::is_same<T, V>::value && -eps <= rounding && rounding <= eps;
+  for (int i = 0; i < 3; ++i) unit[i] = is_unit ? n0[i] : T(n0[i] / scale / length);
+  return true;
+}
+
+namespace detail {
+
+template <class T>
+Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
+  const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
+  out.status = status;
+  out.iterations = 0;
+  out.G = G_n;
+  out.dG_dlambda = out.lambda = out.lambda_e = out.J = out.Je = out.psi = out.c1 = out.c2 = nan;
+  for (T& x : out.f) x = nan;
+  for (int i = 0; i < 6; ++i) out.be[i] = out.tau[i] = out.dtau_dG[i] = nan;
+  return status;
+}
+
+}  // namespace detail
+
+/// One step of length dt [time] to the deformation gradient F[9], from the sarcomere number G_n, with the
+/// fibre n0[3] of any length > 0. Same input, same output; nothing is remembered. dt <= 0 is an elastic step.
+template <class T, class P>
+Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n, const P& dt,
+                    PointUpdate<T>& out) {
+  using V = Real<T>;
+  if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(Status::not_finite, G_n, out);
+  if (!(value(G_n) > 0)) return detail::fail(Status::bad_state, G_n, out);
+  T n[3];
+  if (!normalise(n0, n)) {
+    const bool finite = is_finite(n0[0]) && is_finite(n0[1]) && is_finite(n0[2]);
+    return detail::fail(finite ? Status::no_fibre : Status::not_finite, G_n, out);
+  }
+
+  // Kinematics from H = F - I, so that small strains keep their digits.
+  const V one(1);
+  const T H11 = F[0] - one, H21 = F[1], H31 = F[2];
+  const T H12 = F[3], H22 = F[4] - one, H32 = F[5];
+  const T H13 = F[6], H23 = F[7], H33 = F[8] - one;
+  const T minor11 = H22 * H33 - H23 * H32;
+  const T J_minus_1 = (H11 + H22 + H33) + (H11 * H22 - H12 * H21 + H11 * H33 - H13 * H31 + minor11) +
+                      (H11 * minor11 - H12 * (H21 * H33 - H23 * H31) + H13 * (H21 * H32 - H22 * H31));
+  out.J = one + J_minus_1;
+  if (!is_finite(out.J)) return detail::fail(Status::not_finite, G_n, out);
+  if (!(value(out.J) > 0)) return detail::fail(Status::inverted, G_n, out);
+  T be_minus_I[6] = {
+      H11 + H11 + (H11 * H11 + H12 * H12 + H13 * H13), H22 + H22 + (H21 * H21 + H22 * H22 + H23 * H23),
+      H33 + H33 + (H31 * H31 + H32 * H32 + H33 * H33), H12 + H21 + (H11 * H21 + H12 * H22 + H13 * H23),
+      H13 + H31 + (H11 * H31 + H12 * H32 + H13 * H33), H23 + H32 + (H21 * H31 + H22 * H32 + H23 * H33)};
+  for (int i = 0; i < 3; ++i) out.f[i] = F[i] * n[0] + F[i + 3] * n[1] + F[i + 6] * n[2];
+  const T* f = out.f;
+  const T ff[6] = {f[0] * f[0], f[1] * f[1], f[2] * f[2], f[0] * f[1], f[0] * f[2], f[1] * f[2]};
+  out.lambda = sqrt(ff[0] + ff[1] + ff[2]);
+
+  const GrowthStep<T> step = solve_growth(material.growth, G_n, out.lambda, dt);
+  const T& G = step.G;
+  out.G = G;
+  out.dG_dlambda = step.dG_dlambda;
+  out.iterations = step.iterations;
+  out.lambda_e = out.lambda / G;
+  out.Je = out.J / G;
+
+  const bool grown = material.energy == EnergyPer::grown_volume;
+  const T per_G = one / G;
+  const T G_minus_1 = G - one;
+  const T ff_weight = G_minus_1 * (G + one) * per_G * per_G;  // 1 - 1/G^2
+  const T ln_Je = log1p(T((J_minus_1 - G_minus_1) * per_G));
+  out.c1 = grown ? T(G * material.c1) : T(material.c1);
+  out.c2 = grown ? T(G * material.c2) : T(material.c2);
+  const T pressure = out.c1 * ln_Je;
+  // dtau/dG at fixed F = -c1/G I - 2 c2/G^3 f⊗f, and for grown_volume, where tau = G tau_ref, + tau/G.
+  const T dtau_I = -out.c1 * per_G, dtau_ff = -(out.c2 + out.c2) * per_G * per_G * per_G;
+  for (int i = 0; i < 6; ++i) {
+    be_minus_I[i] = be_minus_I[i] - ff_weight * ff[i];
+    const T spherical_tau = i < 3 ? pressure : T(0), spherical_dtau = i < 3 ? dtau_I : T(0);
+    out.be[i] = i < 3 ? one + be_minus_I[i] : be_minus_I[i];
+    out.tau[i] = spherical_tau + out.c2 * be_minus_I[i];
+    out.dtau_dG[i] = spherical_dtau + dtau_ff * ff[i];
+    if (grown) out.dtau_dG[i] = out.dtau_dG[i] + out.tau[i] * per_G;
+  }
+  const T trace = be_minus_I[0] + be_minus_I[1] + be_minus_I[2];
+  out.psi = (pressure * ln_Je + out.c2 * (trace - (ln_Je + ln_Je))) / V(2);
+
+  T sum = out.psi;
+  for (int i = 0; i < 6; ++i) sum = sum + out.tau[i] * T(0) + out.dtau_dG[i] * T(0);
+  if (!is_finite(sum) || !is_finite(out.lambda_e)) return detail::fail(Status::not_finite, G_n, out);
+  out.status = Status::ok;
+  return out.status;
+}
+
+/// Spatial modulus c[36] of the Jaumann rate of the Kirchhoff stress, J DDSDDE in Abaqus's terms, consistent
+/// with the discrete update: d tau = c:D for a symmetric increment dF = D F. Unsymmetric where the muscle
+/// grows.
+template <class T>
+void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
+  using V = Real<T>;
+  const T half_c2 = u.c2 / V(2);
+  const T b1 = u.c2 * u.be[0], b2 = u.c2 * u.be[1], b3 = u.c2 * u.be[2];
+  const T b12 = u.c2 * u.be[3], b13 = u.c2 * u.be[4], b23 = u.c2 * u.be[5];
+  const T h12 = half_c2 * u.be[3], h13 = half_c2 * u.be[4], h23 = half_c2 * u.be[5];
+  const T zero(0), c1 = u.c1;
+  const T elastic[36] = {c1 + b1 + b1,
+                         c1,
+                         c1,
+                         b12,
+                         b13,
+                         zero,  //
+                         c1,
+                         c1 + b2 + b2,
+                         c1,
+                         b12,
+                         zero,
+                         b23,  //
+                         c1,
+                         c1,
+                         c1 + b3 + b3,
+                         zero,
+                         b13,
+                         b23,  //
+                         b12,
+                         b12,
+                         zero,
+                         (b1 + b2) / V(2),
+                         h23,
+                         h13,  //
+                         b13,
+                         zero,
+                         b13,
+                         h23,
+                         (b1 + b3) / V(2),
+                         h12,  //
+                         zero,
+                         b23,
+                         b23,
+                         h13,
+                         h12,
+                         (b2 + b3) / V(2)};
+  for (int i = 0; i < 36; ++i) c[i] = elastic[i];
+  if (value(u.dG_dlambda) == 0) return;
+
+  const T* f = u.f;
+  const T weight = u.dG_dlambda / u.lambda;
+  const T ff[6] = {f[0] * f[0], f[1] * f[1], f[2] * f[2], f[0] * f[1], f[0] * f[2], f[1] * f[2]};
+  for (int j = 0; j < 6; ++j) {
+    const T column = weight * ff[j];
+    for (int i = 0; i < 6; ++i) c[6 * j + i] = c[6 * j + i] + u.dtau_dG[i] * column;
+  }
+}
+
+}  // namespace myogrowth
+
+#endif

@@ -1,0 +1,102 @@
+/// @file
+/// Neo-Hookean elasticity of the grown muscle as the paper writes it (eq. 3): the readable definition.
+///
+///   psi = c1/2 ln^2(J_e) + c2/2 (C_e:I - 3 - 2 ln J_e),   S_e = 2 dpsi/dC_e,   L_e = 4 d^2psi/dC_e^2,
+///   S = F_g^-1 S_e F_g^-T,   tau = F S F^T
+///
+/// All per unit reference volume; for EnergyPer::grown_volume psi, S, L and tau are G times larger.
+#ifndef MYOGROWTH_NEO_HOOKEAN_HPP
+#define MYOGROWTH_NEO_HOOKEAN_HPP
+
+#include "growth_tensor.hpp"
+
+namespace myogrowth {
+
+/// The elastic law, a function of the elastic deformation alone.
+template <class P = double>
+struct NeoHookean {
+  P c1 = P(16);  ///< first Lamé constant [stress]
+  P c2 = P(4);   ///< second Lamé constant [stress]
+
+  /// Energy psi(C_e) [stress].
+  template <class T>
+  T psi(const Mat3<T>& Ce) const {
+    const T ln_Je = log(T(Ce.determinant())) / Real<T>(2);
+    return (c1 * ln_Je * ln_Je + c2 * (Ce.trace() - Real<T>(3) - Real<T>(2) * ln_Je)) / Real<T>(2);
+  }
+
+  /// S_e = 2 dpsi/dC_e = c1 ln(J_e) C_e^-1 + c2 (I - C_e^-1) [stress].
+  template <class T>
+  Mat3<T> S(const Mat3<T>& Ce) const {
+    const T ln_Je = log(T(Ce.determinant())) / Real<T>(2);
+    const Mat3<T> inverse_Ce = Ce.inverse();
+    return T(c1 * ln_Je) * inverse_Ce + T(c2) * (Mat3<T>::Identity() - inverse_Ce);
+  }
+
+  /// L_e = 4 d^2psi/dC_e^2 = c1 C_e^-1⊗C_e^-1 + 2 (c2 - c1 ln J_e) C_e^-1 ⊙ C_e^-1 [stress].
+  template <class T>
+  Mat6<T> L(const Mat3<T>& Ce) const {
+    const T ln_Je = log(T(Ce.determinant())) / Real<T>(2);
+    const Mat3<T> inverse_Ce = Ce.inverse();
+    return T(c1) * dyad(inverse_Ce, inverse_Ce) +
+           T(Real<T>(2) * (c2 - c1 * ln_Je)) * symmetric_product(inverse_Ce, inverse_Ce);
+  }
+
+  /// Kirchhoff stress tau = F_e S_e F_e^T = c1 ln(J_e) I + c2 (b_e - I) [stress].
+  template <class T>
+  Mat3<T> kirchhoff(const Mat3<T>& be) const {
+    const T ln_Je = log(T(be.determinant())) / Real<T>(2);
+    return T(c1 * ln_Je) * Mat3<T>::Identity() + T(c2) * (be - Mat3<T>::Identity());
+  }
+
+  /// Spatial modulus of the Jaumann rate of tau at fixed growth, c1 I⊗I + c2 (I∘b_e + b_e∘I) [stress].
+  template <class T>
+  Mat6<T> spatial_modulus(const Mat3<T>& be) const {
+    const Mat3<T> I = Mat3<T>::Identity();
+    return T(c1) * dyad(I, I) + T(Real<T>(2) * c2) * symmetric_product(I, be);
+  }
+};
+
+/// Second Piola-Kirchhoff stress of the grown muscle, S = F_g^-1 S_e F_g^-T [stress].
+template <class T, class P>
+Mat3<T> second_piola(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& n0, const T& G) {
+  const Mat3<T> A = inverse_growth_tensor(n0, G);
+  const Mat3<T> Ce = right_cauchy_green(elastic_part(F, n0, G));
+  return A * law.S(Ce) * A.transpose();
+}
+
+/// Elastic modulus of the grown muscle, L = 2 dS/dC at fixed G = F_g^-1 ... L_e ... F_g^-T [stress].
+template <class T, class P>
+Mat6<T> elastic_modulus(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& n0, const T& G) {
+  const Mat3<T> Ce = right_cauchy_green(elastic_part(F, n0, G));
+  return push_forward(inverse_growth_tensor(n0, G), law.L(Ce));
+}
+
+/// dS/dG at fixed C [stress]: through F_g^-1 and through C_e = F_g^-T C F_g^-1.
+template <class T, class P>
+Mat3<T> dsecond_piola_dG(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& n0, const T& G) {
+  const Mat3<T> A = inverse_growth_tensor(n0, G);
+  const Mat3<T> dA = dinverse_growth_tensor_dG(n0, G);
+  const Mat3<T> C = right_cauchy_green(F);
+  const Mat3<T> Ce = A.transpose() * C * A;
+  const Mat3<T> dCe = dA.transpose() * C * A + A.transpose() * C * dA;
+  Vec6<T> dE = to_six(dCe) / Real<T>(2);  // dE_e = dC_e/2, shears as engineering shears
+  dE.template tail<3>() *= Real<T>(2);
+  const Mat3<T> Se = law.S(Ce);
+  const Mat3<T> dSe = from_six(Vec6<T>(law.L(Ce) * dE));
+  return dA * Se * A.transpose() + A * dSe * A.transpose() + A * Se * dA.transpose();
+}
+
+/// Consistent modulus of the growing muscle, dS/dE = L + 2 dS/dG ⊗ dG/dC [stress], with
+/// dG/dC = dG/dlambda n0⊗n0/(2 lambda).
+template <class T, class P>
+Mat6<T> consistent_modulus(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& n0, const T& G,
+                           const T& dG_dlambda) {
+  const T weight = dG_dlambda / fibre_stretch(F, n0);
+  const Mat3<T> n0n0 = n0 * n0.transpose();
+  return elastic_modulus(law, F, n0, G) + weight * dyad(dsecond_piola_dG(law, F, n0, G), n0n0);
+}
+
+}  // namespace myogrowth
+
+#endif

@@ -1,0 +1,10 @@
+/// @file
+/// The only place where the version of myogrowth is written; CMake reads it from here.
+#ifndef MYOGROWTH_VERSION_HPP
+#define MYOGROWTH_VERSION_HPP
+
+#define MYOGROWTH_VERSION_MAJOR 0
+#define MYOGROWTH_VERSION_MINOR 1
+#define MYOGROWTH_VERSION_PATCH 0
+
+#endif
