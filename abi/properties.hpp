@@ -33,8 +33,8 @@ constexpr int n_statev = 8;           ///< entries that the UMAT keeps, as far a
 constexpr int n_statev_required = 1;  ///< G has to be remembered
 
 constexpr Property props_table[n_props] = {
-    {"c1", "stress", "first Lamé constant", 0, Allowed::bulk_positive},
-    {"c2", "stress", "second Lamé constant (shear modulus)", 0, Allowed::positive},
+    {"c1", "stress", "first Lame constant", 0, Allowed::bulk_positive},
+    {"c2", "stress", "second Lame constant (shear modulus)", 0, Allowed::positive},
     {"tau", "time", "time constant of growth", 0, Allowed::positive},
     {"gamma", "-", "shape exponent of the adaptation function", 0, Allowed::not_negative},
     {"G_max", "-", "largest relative serial sarcomere number", 0, Allowed::above_one},
@@ -77,7 +77,7 @@ inline const char* text(Allowed allowed) {
   return "";
 }
 
-/// Whether `x` is allowed; c2 is the second Lamé constant.
+/// Whether `x` is allowed; c2 is the second Lame constant.
 inline bool is_allowed(Allowed allowed, double x, double c2) {
   if (!is_finite(x)) return false;
   switch (allowed) {

@@ -26,6 +26,7 @@ constexpr double cut_back = 0.25;  // factor on the time increment when a step c
 
 // STRESS, DDSDDE and PNEWDT of a call that gave no result: no host can go on with them unawares.
 void refuse(double* stress, double* ddsdde, int ntens, double& pnewdt) {
+  if (ntens < 0) ntens = 0;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < ntens; ++i) stress[i] = nan;
   for (int i = 0; i < ntens * ntens; ++i) ddsdde[i] = nan;

@@ -74,14 +74,13 @@ struct BracketedEquation : GrowthEquation<V> {
   }
 };
 
-/// A converging step has both of these sizes relative to G and to the room left, G_max - G; as Newton's
-/// method is quadratic in just these measures, the step after it would be of the size of their product:
-/// rounding.
+/// Whether rounding is all that is left after this step. Newton's method leaves step^2 R''/(2 R'), and R''/R'
+/// is at most 2 gamma/(G_max - G) + 2/G: the two bounds below make that about rounding.
 template <class V>
-bool is_last_step(V step, V G, V room) {
+bool is_last_step(V step, V G, V room, V gamma) {
   constexpr V of_room = V(1) / static_cast<V>(1ll << ((std::numeric_limits<V>::digits - 1) / 3));
   constexpr V of_G = std::numeric_limits<V>::epsilon() / of_room;
-  return step <= of_G * G && step <= of_room * room;
+  return step <= of_G * G && step * (1 + gamma) <= 2 * of_room * room;
 }
 
 /// A lower bound of the root that is far better than G_n when the step is long. At the root k q is at most
@@ -113,9 +112,10 @@ V root_of_quadratic(const BracketedEquation<V>& eq) {
   return b > 0 ? 2 * c / (b + root) : (root - b) / (2 * eq.E);
 }
 
-/// gamma >= 1: Newton's method in G, monotone from the left. One division a step.
+/// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, either monotone from the left. A Newton
+/// step in k is one in G with the room left, room^gamma being proportional to k, shortened by its own factor.
 template <class V>
-V newton_in_G(const BracketedEquation<V>& eq, V G, int& iterations) {
+V newton(const BracketedEquation<V>& eq, V G, int& iterations) {
   const V per_room = 1 / eq.room_n;
   for (;;) {
     ++iterations;
@@ -124,32 +124,13 @@ V newton_in_G(const BracketedEquation<V>& eq, V G, int& iterations) {
     const V k_over_x = eq.A * power(x, eq.gamma - 1);
     const V k = k_over_x * x, minus_dk = eq.gamma * k_over_x * per_room, q = eq.q(eq.lambda, G);
     const V EG = eq.E * G;
-    const V step = G * (k * q - EG * (G - eq.G_n)) / (EG * G + G * minus_dk * q + k * eq.lambda);
+    V step = G * (k * q - EG * (G - eq.G_n)) / (EG * G + G * minus_dk * q + k * eq.lambda);
+    if (eq.gamma < 1) step = -room * expm1(log1p(-eq.gamma * step / room) / eq.gamma);
     const V next = G + step;
     if (!(next > G)) return G;  // at rounding level
     if (!(next < eq.end)) return eq.end;
-    if (is_last_step(step, next, room)) return next;
+    if (is_last_step(step, next, room, eq.gamma)) return next;
     G = next;
-  }
-}
-
-/// 0 < gamma < 1: Newton's method in y = k/A, monotone from the right.
-template <class V>
-V newton_in_capacity(const BracketedEquation<V>& eq, V G, int& iterations) {
-  V y = eq.k(G) / eq.A;
-  for (;;) {
-    ++iterations;
-    const V room = eq.room_n * pow(y, 1 / eq.gamma);
-    G = eq.G_max - room;
-    const V k = eq.A * y, q = eq.q(eq.lambda, G);
-    const V minus_dG = room / eq.gamma;  // -dG/d(ln y)
-    const V relative_step =
-        (k * q - eq.E * G * (eq.room_n - room)) / (minus_dG * (eq.E * G + k * eq.lambda / G) + k * q);
-    const V step = minus_dG * relative_step;
-    const V next = y - y * relative_step;
-    if (!(next < y) || !(G + step < G || G + step > G)) return G;  // at rounding level
-    if (is_last_step(step, G, room)) return eq.G_max - eq.room_n * pow(next, 1 / eq.gamma);
-    y = next;
   }
 }
 
@@ -162,7 +143,7 @@ V growth_root(const BracketedEquation<V>& eq, int& iterations) {
   // If an explicit step would leave the bracket, Newton from G_n would crawl: k falls by e a step.
   const bool is_long = eq.A * eq.q(eq.lambda, eq.G_n) > eq.E * eq.G_n * (eq.end - eq.G_n);
   const V start = is_long ? long_step_start(eq) : eq.G_n;
-  return eq.gamma < 1 ? newton_in_capacity(eq, start, iterations) : newton_in_G(eq, start, iterations);
+  return newton(eq, start, iterations);
 }
 
 /// Gives the converged value the derivatives that the scalar carries, by the implicit function theorem: one

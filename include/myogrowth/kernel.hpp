@@ -132,8 +132,7 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
       H13 + H31 + (H11 * H31 + H12 * H32 + H13 * H33), H23 + H32 + (H21 * H31 + H22 * H32 + H23 * H33)};
   for (int i = 0; i < 3; ++i) out.f[i] = F[i] * n[0] + F[i + 3] * n[1] + F[i + 6] * n[2];
   const T* f = out.f;
-  const T ff[6] = {f[0] * f[0], f[1] * f[1], f[2] * f[2], f[0] * f[1], f[0] * f[2], f[1] * f[2]};
-  out.lambda = sqrt(ff[0] + ff[1] + ff[2]);
+  out.lambda = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
 
   const GrowthStep<T> step = solve_growth(material.growth, G_n, out.lambda, dt);
   const T& G = step.G;
@@ -146,19 +145,24 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   const bool grown = material.energy == EnergyPer::grown_volume;
   const T per_G = one / G;
   const T G_minus_1 = G - one;
-  const T ff_weight = G_minus_1 * (G + one) * per_G * per_G;  // 1 - 1/G^2
   const T ln_Je = log1p(T((J_minus_1 - G_minus_1) * per_G));
   out.c1 = grown ? T(G * material.c1) : T(material.c1);
   out.c2 = grown ? T(G * material.c2) : T(material.c2);
   const T pressure = out.c1 * ln_Je;
-  // dtau/dG at fixed F = -c1/G I - 2 c2/G^3 f⊗f, and for grown_volume, where tau = G tau_ref, + tau/G.
-  const T dtau_I = -out.c1 * per_G, dtau_ff = -(out.c2 + out.c2) * per_G * per_G * per_G;
+  // b_e - I = (F F^T - I) - (G^2 - 1) fe⊗fe, with the square written as in F F^T: F = F_g is free of stress
+  // exactly.
+  const T square_minus_1 = G_minus_1 + G_minus_1 + G_minus_1 * G_minus_1;
+  const T fe[3] = {f[0] / G, f[1] / G, f[2] / G};
+  const T fefe[6] = {fe[0] * fe[0], fe[1] * fe[1], fe[2] * fe[2],
+                     fe[0] * fe[1], fe[0] * fe[2], fe[1] * fe[2]};
+  // dtau/dG at fixed F = -c1/G I - 2 c2/G fe⊗fe, and for grown_volume, where tau = G tau_ref, + tau/G.
+  const T dtau_I = -out.c1 * per_G, dtau_fe = -(out.c2 + out.c2) * per_G;
   for (int i = 0; i < 6; ++i) {
-    be_minus_I[i] = be_minus_I[i] - ff_weight * ff[i];
+    be_minus_I[i] = be_minus_I[i] - square_minus_1 * fefe[i];
     const T spherical_tau = i < 3 ? pressure : T(0), spherical_dtau = i < 3 ? dtau_I : T(0);
     out.be[i] = i < 3 ? one + be_minus_I[i] : be_minus_I[i];
     out.tau[i] = spherical_tau + out.c2 * be_minus_I[i];
-    out.dtau_dG[i] = spherical_dtau + dtau_ff * ff[i];
+    out.dtau_dG[i] = spherical_dtau + dtau_fe * fefe[i];
     if (grown) out.dtau_dG[i] = out.dtau_dG[i] + out.tau[i] * per_G;
   }
   const T trace = be_minus_I[0] + be_minus_I[1] + be_minus_I[2];

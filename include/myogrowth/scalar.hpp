@@ -16,6 +16,7 @@
 
 namespace myogrowth {
 
+using std::expm1;
 using std::log1p;
 using std::pow;
 using std::sqrt;

@@ -1,0 +1,314 @@
+// The UMAT as a host sees it.
+#include <gtest/gtest.h>
+
+#include <cfloat>
+#include <myogrowth/left_stretch.hpp>
+#include <thread>
+
+#include "../support/samples.hpp"
+#include "../support/umat_host.hpp"
+
+using namespace myogrowth;
+using host::Call;
+using samples::Kind;
+
+namespace {
+
+const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+
+Call call_of(const samples::Point& p) {
+  const auto& g = p.muscle.growth;
+  Call c;
+  c.props = {p.muscle.c1,
+             p.muscle.c2,
+             g.growth_time,
+             g.gamma,
+             g.G_max,
+             g.lambda_crit,
+             p.state.n0[0],
+             p.state.n0[1],
+             p.state.n0[2],
+             0,
+             p.muscle.energy == EnergyPer::grown_volume ? 1.0 : 0.0};
+  c.statev[0] = p.state.G;
+  c.F = p.F;
+  c.dtime = p.dt;
+  return c;
+}
+
+TEST(Umat, IsTheCoreBitForBit) {
+  samples::Random r(41);
+  for (int i = 0; i < 2000; ++i) {
+    samples::Point p = samples::point(r, Kind::any);
+    p.muscle.energy = r.chance(0.5) ? EnergyPer::reference_volume : EnergyPer::grown_volume;
+    const auto u = update(p.muscle, p.F, p.state, p.dt);
+    Call c = call_of(p), d = c;
+    c.run();
+    EXPECT_EQ(c.stress, to_six(u.cauchy()));
+    EXPECT_EQ(c.ddsdde, u.ddsdde());
+    EXPECT_EQ(c.sse, u.point.psi);
+    EXPECT_EQ(c.statev[0], u.state.G);
+    EXPECT_EQ(c.statev[1], u.point.lambda_e);
+    EXPECT_EQ(c.statev[2], u.point.lambda);
+    EXPECT_EQ(c.statev[3], u.point.J);
+    EXPECT_EQ(c.statev[4], u.point.Je);
+    EXPECT_LE((Eigen::Map<Eigen::Vector3d>(&c.statev[5]) - p.state.n0.normalized()).norm(), 1e-15);
+    EXPECT_EQ(c.pnewdt, 1);
+    d.run(myogrowth_umat_);
+    EXPECT_EQ(c.stress, d.stress);
+    EXPECT_EQ(c.ddsdde, d.ddsdde);
+    EXPECT_EQ(c.statev, d.statev);
+  }
+}
+
+TEST(Umat, ZeroesTheThermalArraysAndLeavesTheRest) {
+  Call c;
+  c.run();
+  EXPECT_EQ(c.rpl, 0);
+  EXPECT_EQ(c.drpldt, 0);
+  EXPECT_EQ(c.ddsddt, c.ddsddt.Zero());
+  EXPECT_EQ(c.drplde, c.drplde.Zero());
+  EXPECT_EQ(c.spd, host::untouched);
+  EXPECT_EQ(c.scd, host::untouched);
+}
+
+TEST(Umat, MissingPropsTakeTheirDefaults) {
+  samples::Random r(42);
+  Call full;
+  full.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 0, 0};
+  full.F = samples::deformation(r, 0.2);
+  full.F(0, 0) += 0.2;
+  const Call expected = Call(full).run();
+  EXPECT_GT(expected.statev[0], 1.001);
+  for (std::size_t n = 6; n <= 16; ++n) {
+    Call c = full;
+    c.props.resize(n);  // beyond the table: zeros
+    EXPECT_EQ(c.run().stress, expected.stress) << n;
+    EXPECT_EQ(c.statev, expected.statev) << n;
+  }
+}
+
+TEST(Umat, UninitialisedStateIsOne) {
+  Call zero, one;
+  zero.F(0, 0) = one.F(0, 0) = 1.1;
+  one.statev[0] = 1;
+  EXPECT_EQ(zero.run().statev, one.run().statev);
+  EXPECT_EQ(zero.ddsdde, one.ddsdde);
+}
+
+TEST(Umat, WritesOfTheStateWhatFits) {
+  Call all;
+  all.F(0, 0) = 1.1;
+  all.run();
+  for (std::size_t n = 1; n <= 8; ++n) {
+    Call c;
+    c.F(0, 0) = 1.1;
+    c.statev.assign(n, 0.0);
+    c.statev.reserve(8);
+    c.run();
+    for (std::size_t i = 0; i < std::min<std::size_t>(n, 5); ++i) EXPECT_EQ(c.statev[i], all.statev[i]) << n;
+    for (std::size_t i = 5; i < n && n < 8; ++i)
+      EXPECT_EQ(c.statev[i], 0) << "half a direction, NSTATV = " << n;
+    EXPECT_EQ(c.stress, all.stress);
+  }
+  Call more;
+  more.F(0, 0) = 1.1;
+  more.statev.assign(20, 0.0);
+  more.run();
+  for (std::size_t i = 8; i < 20; ++i) EXPECT_EQ(more.statev[i], 0);
+}
+
+TEST(Umat, AFibreInTheStateOverridesProps) {
+  samples::Random r(43);
+  for (int i = 0; i < 100; ++i) {
+    const samples::Point p = samples::point(r, Kind::growing);
+    Call by_props = call_of(p), by_state = by_props;
+    for (std::size_t k = 0; k < 3; ++k) {
+      by_state.statev[5 + k] = 3 * p.state.n0[static_cast<int>(k)];
+      by_state.props[6 + k] = r.chance(0.5) ? 0 : r.uniform();
+    }
+    by_props.run();
+    by_state.run();
+    EXPECT_LE((by_state.stress - by_props.stress).norm(), 1e-13 * by_props.stress.norm());
+    EXPECT_NEAR(by_state.statev[0], by_props.statev[0], 1e-14);
+    // what is written back is used in the next call, and stays as it is, bit for bit
+    Call again = by_props;
+    again.statev[0] = p.state.G;
+    again.run();
+    EXPECT_EQ(again.statev, by_props.statev);
+    EXPECT_LE((again.stress - by_props.stress).norm(), 1e-14 * by_props.stress.norm());
+  }
+}
+
+TEST(Umat, ElasticStepsAndTrivialDeformations) {
+  for (double dt : {0.0, -1.0}) {
+    Call c;
+    c.F(0, 0) = 1.1;
+    c.dtime = dt;
+    c.statev[0] = 1.03;
+    EXPECT_EQ(c.run().statev[0], 1.03);
+    EXPECT_EQ(c.ddsdde, c.ddsdde.transpose());
+  }
+  Call identity, zero;
+  zero.F.setZero();  // as without NLGEOM
+  for (Call* c : {&identity, &zero}) {
+    c->run();
+    EXPECT_EQ(c->stress, c->stress.Zero());
+    EXPECT_EQ(c->statev[0], 1);
+    EXPECT_EQ(c->statev[3], 1);
+    EXPECT_EQ(c->sse, 0);
+    EXPECT_EQ(c->ddsdde(0, 0), 24);  // c1 + 2 c2
+    EXPECT_EQ(c->ddsdde(0, 1), 16);
+    EXPECT_EQ(c->ddsdde(3, 3), 4);
+    EXPECT_EQ(c->ddsdde(0, 3), 0);
+  }
+}
+
+TEST(Umat, AskForASmallerStepWhereNoneCanBeTaken) {
+  const auto expect = [](Call c) {
+    for (double pnewdt : {1.0, DBL_MAX, 0.1, -1.0, nan}) {
+      Call d = c;
+      d.statev = {1.03, 2, 3, 4, 5, 0, 0, 1};
+      const auto before = d.statev;
+      d.pnewdt = pnewdt;
+      testing::internal::CaptureStderr();
+      d.run();
+      EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // an ordinary event: no message
+      EXPECT_EQ(d.pnewdt, pnewdt <= 0.25 ? pnewdt : 0.25);
+      EXPECT_EQ(d.statev, before);
+      EXPECT_TRUE(d.stress.array().isNaN().all());
+      EXPECT_TRUE(d.ddsdde.array().isNaN().all());
+    }
+  };
+  Call c;
+  c.F(1, 1) = -0.2;
+  expect(c);
+  c.F(1, 1) = 0;
+  expect(c);
+  for (double x : {nan, inf, -inf, 1e300}) {
+    c.F(1, 1) = 1;
+    c.F(0, 1) = x;
+    expect(c);
+  }
+  c = Call();
+  c.dtime = nan;
+  expect(c);
+  c = Call();
+  c.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 1};  // also in a local basis
+  c.F(2, 2) = -1;
+  expect(c);
+}
+
+// Every bad input: one message that names the entry, its value and what is allowed; nothing lost.
+struct BadInput {
+  const char* name;
+  void (*spoil)(Call&);
+  std::vector<std::string> words;
+  friend void PrintTo(const BadInput& b, std::ostream* out) { *out << b.name; }
+};
+
+class UmatBadInput : public testing::TestWithParam<BadInput> {};
+
+TEST_P(UmatBadInput, IsNamed) {
+  Call c;
+  c.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 0, 0};
+  c.statev[1] = 5;
+  GetParam().spoil(c);
+  const auto before = c.statev;
+  testing::internal::CaptureStderr();
+  c.run();
+  const std::string text = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+  EXPECT_NE(text.find("myogrowth UMAT: "), std::string::npos) << text;
+  for (const auto& word : GetParam().words)
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  EXPECT_EQ(c.pnewdt, 0.25);
+  const int n = std::max(0, std::min(6, c.ntens));
+  for (int i = 0; i < n; ++i) EXPECT_TRUE(std::isnan(c.stress[i]));
+  for (int i = n; i < 6; ++i) EXPECT_EQ(c.stress[i], host::untouched);
+  for (int i = n * n; i < 36; ++i) EXPECT_EQ(c.ddsdde(i), host::untouched);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_TRUE(c.statev[i] == before[i] || (std::isnan(before[i]) && std::isnan(c.statev[i])));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Inputs, UmatBadInput,
+    testing::Values(
+        BadInput{"c1", [](Call& c) { c.props[0] = -3; }, {"PROPS(1) = -3", "c1", "> -2/3 c2"}},
+        BadInput{"c1_nan", [](Call& c) { c.props[0] = nan; }, {"PROPS(1) = nan", "c1", "finite"}},
+        BadInput{"c2", [](Call& c) { c.props[1] = 0; }, {"PROPS(2) = 0", "c2", "> 0"}},
+        BadInput{"c2_inf", [](Call& c) { c.props[1] = inf; }, {"PROPS(2) = inf", "c2", "finite"}},
+        BadInput{"tau", [](Call& c) { c.props[2] = -0.5; }, {"PROPS(3) = -0.5", "tau", "> 0"}},
+        BadInput{"gamma", [](Call& c) { c.props[3] = -1e-9; }, {"PROPS(4) = -1e-09", "gamma", ">= 0"}},
+        BadInput{"G_max", [](Call& c) { c.props[4] = 1; }, {"PROPS(5) = 1", "G_max", "> 1"}},
+        BadInput{"lambda_crit", [](Call& c) { c.props[5] = 0; }, {"PROPS(6) = 0", "lambda_crit", "> 0"}},
+        BadInput{"n0_nan", [](Call& c) { c.props[7] = nan; }, {"PROPS(8) = nan", "n0_2", "finite"}},
+        BadInput{"n0_zero", [](Call& c) { c.props[6] = 0; }, {"PROPS(7:9) = 0, 0, 0", "n0", "> 0"}},
+        BadInput{"frame", [](Call& c) { c.props[9] = 2; }, {"PROPS(10) = 2", "frame", "0 or 1"}},
+        BadInput{"energy", [](Call& c) { c.props[10] = 0.5; }, {"PROPS(11) = 0.5", "energy", "0 or 1"}},
+        BadInput{
+            "unknown", [](Call& c) { c.props.push_back(7); }, {"PROPS(12) = 7", "11 constants", "must be 0"}},
+        BadInput{"nprops", [](Call& c) { c.props.resize(5); }, {"NPROPS = 5", "at least 6"}},
+        BadInput{"nprops_0", [](Call& c) { c.props.clear(); }, {"NPROPS = 0", "at least 6"}},
+        BadInput{"nstatv", [](Call& c) { c.statev.clear(); }, {"NSTATV = 0", "at least 1"}},
+        BadInput{"ntens_4", [](Call& c) { c.ntens = 4; }, {"NTENS = 4", "NTENS = 6"}},
+        BadInput{"ntens_3", [](Call& c) { c.ntens = 3; }, {"NTENS = 3", "NTENS = 6"}},
+        BadInput{"ntens_0", [](Call& c) { c.ntens = 0; }, {"NTENS = 0", "NTENS = 6"}},
+        BadInput{"ntens_negative", [](Call& c) { c.ntens = -1; }, {"NTENS = -1", "NTENS = 6"}},
+        BadInput{"G_negative", [](Call& c) { c.statev[0] = -1; }, {"STATEV(1) = -1", "G", "> 0"}},
+        BadInput{"G_nan", [](Call& c) { c.statev[0] = nan; }, {"STATEV(1) = nan", "G", "> 0"}},
+        BadInput{"fibre_nan", [](Call& c) { c.statev[6] = nan; }, {"STATEV(7) = nan", "fibre", "finite"}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Umat, ReportsTheFirstOfSeveralFaults) {
+  Call c;
+  c.props = {16, -4, -0.5, 2, 1.1, 1.01};
+  testing::internal::CaptureStderr();
+  c.run();
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("PROPS(2) = -4"), std::string::npos);
+}
+
+// With *ORIENTATION, Abaqus gives DFGRD1 = (R Q)^T F (R Q) and wants STRESS in the basis R Q.
+TEST(Umat, LocalBasisAgreesWithGlobal) {
+  samples::Random r(44);
+  for (int i = 0; i < 300; ++i) {
+    const samples::Point p = samples::point(r, Kind::growing);
+    const Eigen::Matrix3d Q = samples::rotation(r);
+    Eigen::Matrix3d V;
+    ASSERT_TRUE(left_stretch(p.F.data(), V.data()));
+    const Eigen::Matrix3d B = V.inverse() * p.F * Q;  // the turned basis, R Q
+    Call global = call_of(p), local = global;
+    local.F = B.transpose() * p.F * B;
+    local.props[9] = 1;
+    const Eigen::Vector3d n0 = Q.transpose() * p.state.n0;
+    for (std::size_t k = 0; k < 3; ++k) local.props[6 + k] = n0[static_cast<int>(k)];
+    global.run();
+    local.run();
+    EXPECT_NEAR(local.statev[0], global.statev[0], 1e-12);
+    const Eigen::Matrix3d sigma = B.transpose() * from_six(Vec6<double>(global.stress)) * B;
+    EXPECT_LE((from_six(Vec6<double>(local.stress)) - sigma).norm(), 1e-11 * sigma.norm());
+    const Mat6<double> c = push_forward(Mat3<double>(B.transpose()), Mat6<double>(global.ddsdde));
+    EXPECT_LE((local.ddsdde - c).norm(), 1e-11 * c.norm());
+  }
+}
+
+TEST(Umat, TwoThreadsGetTheSameAsOne) {
+  samples::Random r(45);
+  std::vector<Call> calls, alone;
+  for (int i = 0; i < 4000; ++i) calls.push_back(call_of(samples::point(r, Kind::any)));
+  alone = calls;
+  for (auto& c : alone) c.run();
+  const auto every_second = [&](std::size_t first) {
+    for (std::size_t i = first; i < calls.size(); i += 2) calls[i].run();
+  };
+  std::thread one(every_second, 0), two(every_second, 1);
+  one.join();
+  two.join();
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    ASSERT_EQ(calls[i].ddsdde, alone[i].ddsdde);
+    ASSERT_EQ(calls[i].statev, alone[i].statev);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,53 @@
+// A host of the UMAT: all its 37 arguments, filled as Abaqus/Standard fills them.
+#ifndef MYOGROWTH_TESTS_UMAT_HOST_HPP
+#define MYOGROWTH_TESTS_UMAT_HOST_HPP
+
+#include <Eigen/Core>
+#include <limits>
+#include <vector>
+
+extern "C" {
+using Umat = void(double* stress, double* statev, double* ddsdde, double* sse, double* spd, double* scd,
+                  double* rpl, double* ddsddt, double* drplde, double* drpldt, const double* stran,
+                  const double* dstran, const double* time, const double* dtime, const double* temp,
+                  const double* dtemp, const double* predef, const double* dpred, const char* cmname,
+                  const int* ndi, const int* nshr, const int* ntens, const int* nstatv, const double* props,
+                  const int* nprops, const double* coords, const double* drot, double* pnewdt,
+                  const double* celent, const double* dfgrd0, const double* dfgrd1, const int* noel,
+                  const int* npt, const int* layer, const int* kspt, const int* kstep, const int* kinc);
+Umat umat_, myogrowth_umat_;
+}
+
+namespace host {
+
+constexpr double untouched = -777;
+
+/// One call's arguments and what came back. What the UMAT promises not to read is not there to be read.
+struct Call {
+  std::vector<double> props = {16, 4, 0.5, 2, 1.1, 1.01};
+  std::vector<double> statev = std::vector<double>(8, 0.0);
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  double dtime = 0.1, pnewdt = 1;
+  int ntens = 6;
+
+  Eigen::Matrix<double, 6, 1> stress = Eigen::Matrix<double, 6, 1>::Constant(untouched);
+  Eigen::Matrix<double, 6, 6> ddsdde = Eigen::Matrix<double, 6, 6>::Constant(untouched);
+  double sse = untouched, spd = untouched, scd = untouched, rpl = untouched, drpldt = untouched;
+  Eigen::Matrix<double, 6, 1> ddsddt = stress, drplde = stress;
+
+  Call& run(Umat* umat = umat_) {
+    const int ndi = 3, nshr = 3, kstep = 1, kinc = 1;
+    const int nprops = static_cast<int>(props.size()), nstatv = static_cast<int>(statev.size());
+    const double six[6] = {}, time[2] = {}, temp = 0, predef = 0, celent = 1;
+    const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+    umat(stress.data(), statev.data(), ddsdde.data(), &sse, &spd, &scd, &rpl, ddsddt.data(), drplde.data(),
+         &drpldt, six, six, time, &dtime, &temp, &temp, &predef, &predef, nullptr, &ndi, &nshr, &ntens,
+         &nstatv, props.data(), &nprops, nullptr, one.data(), &pnewdt, &celent, one.data(), F.data(), nullptr,
+         nullptr, nullptr, nullptr, &kstep, &kinc);
+    return *this;
+  }
+};
+
+}  // namespace host
+
+#endif

@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+#include <myogrowth/growth_solve.hpp>
+
+#include "../support/dual.hpp"
+#include "../support/reference.hpp"
+
+using namespace myogrowth;
+using Complex = std::complex<double>;
+
+namespace {
+
+const GrowthRate<> paper{0.5, 2, 1.1, 1.01};
+
+TEST(GrowthSolve, ReferenceValuesOfOneStep) {
+  const double dts[] = {0.01, 0.1, 0.5, 1, 5, 50};
+  const double Gs[] = {1.00170307, 1.01194367, 1.02931485, 1.03807714, 1.05695050, 1.07559389};
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(solve_growth(paper, 1.0, 1.1, dts[i]).G, Gs[i], 5e-9) << dts[i];
+}
+
+TEST(GrowthSolve, NothingGrows) {
+  const double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  struct {
+    double G_n, lambda, dt;
+  } const cases[] = {{1, 1.01, 1}, {1, 0.7, 1}, {1, 1.1, 0},   {1, 1.1, -1},  {1.1, 1.3, 1},
+                     {1.2, 2, 1},  {1, nan, 1}, {1, 1.1, nan}, {1, 1.1, -inf}};
+  for (const auto& c : cases) {
+    const auto s = solve_growth(paper, c.G_n, c.lambda, c.dt);
+    EXPECT_EQ(s.G, c.G_n);
+    EXPECT_EQ(s.dG_dlambda, 0);
+    EXPECT_EQ(s.iterations, 0);
+  }
+}
+
+TEST(GrowthSolve, AnInfiniteStepReachesTheEndOfTheBracket) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (double gamma : {0.0, 0.5, 1.0, 2.0, 4.0}) {
+    const GrowthRate<> rate{0.5, gamma, 1.1, 1.01};
+    EXPECT_DOUBLE_EQ(solve_growth(rate, 1.0, 1.05, inf).G, 1.05 / 1.01);
+    EXPECT_NEAR(solve_growth(rate, 1.0, 1.05, inf).dG_dlambda, 1 / 1.01, 1e-12);
+    EXPECT_EQ(solve_growth(rate, 1.0, 1.5, inf).G, 1.1);
+    EXPECT_EQ(solve_growth(rate, 1.0, 1.5, inf).dG_dlambda, 0);
+  }
+}
+
+TEST(GrowthSolve, GammaZeroIsTheQuadraticAndClampsAtGMax) {
+  const GrowthRate<> rate{0.5, 0, 1.1, 1.01};
+  // G^2 + (a 1.01 - 1) G - a 1.05 = 0 with a = 0.2
+  EXPECT_DOUBLE_EQ(solve_growth(rate, 1.0, 1.05, 0.1).G, (0.798 + std::sqrt(0.798 * 0.798 + 0.84)) / 2);
+  EXPECT_EQ(solve_growth(rate, 1.0, 3.0, 10.0).G, 1.1);
+}
+
+// The step's value and slope against bracketing in 50 digits, where it is hard: near G_max, near the
+// threshold, near lambda = lambda_crit G_max, where both limits meet, and for steps of any length.
+TEST(GrowthSolve, HardStepsAgainstFiftyDigits) {
+  using reference::Real;
+  samples::Random r(7);
+  const double gammas[] = {0, 0.05, 0.5, 0.9, 1, 1.3, 1.5, 2, 2.5, 3, 4, 5};
+  double worst_G = 0, worst_slope = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const GrowthRate<> rate{0.5, r.pick(gammas), 1 + r.log_uniform(1e-3, 5), r.uniform(0.8, 1.2)};
+    const double width = rate.G_max - 1;
+    const double G_n = r.chance(0.5) ? 1 + width * r.uniform() : rate.G_max - width * r.log_uniform(1e-6, 1);
+    const double lambda =
+        r.chance(0.5) ? rate.lambda_crit * G_n * (1 + r.log_uniform(1e-6, 1))
+                      : rate.lambda_crit * rate.G_max * (1 + r.uniform(-1, 1) * r.log_uniform(1e-8, 0.1));
+    if (lambda <= rate.lambda_crit * G_n) continue;
+    const double dt = 0.5 * r.log_uniform(1e-8, 1e8);
+    const auto s = solve_growth(rate, G_n, lambda, dt);
+    const Real h("1e-22"), exact = reference::grow(rate, G_n, lambda, dt);
+    const Real slope =
+        (reference::grow(rate, G_n, lambda + h, dt) - reference::grow(rate, G_n, lambda - h, dt)) / (2 * h);
+    worst_G = std::max(worst_G, std::abs(static_cast<double>(s.G / exact - 1)));
+    if (dt <= 0.5e4 && (rate.gamma == 0 || rate.gamma >= 0.5)) {
+      worst_slope = std::max(worst_slope, std::abs(static_cast<double>(s.dG_dlambda - slope)));
+    }
+  }
+  EXPECT_LE(worst_G, 2e-15);
+  // Where both limits meet, the slope turns from 0 to 1/lambda_crit within a stretch so short that half a
+  // unit in the last place of lambda moves it by 1e-10; elsewhere it is good to 1e-13 (see
+  // accuracy_test.cpp).
+  EXPECT_LE(worst_slope, 1e-9);
+  std::printf("worst error: G %.1e, dG/dlambda %.1e\n", worst_G, worst_slope);
+}
+
+TEST(GrowthSolve, DerivativesWithRespectToEverything) {
+  using dual::Dual;
+  samples::Random r(11);
+  for (int i = 0; i < 200; ++i) {
+    // tau, gamma, G_max, lambda_crit, G_n, lambda, dt
+    double q[7] = {r.uniform(0.2, 2),       r.uniform(0.3, 4),  r.uniform(1.05, 2),
+                   r.uniform(0.9, 1.05),    r.uniform(1, 1.04), 0,
+                   r.log_uniform(1e-3, 100)};
+    q[5] = q[3] * q[4] * r.uniform(1.02, 1.5);
+    for (int k = 0; k < 7; ++k) {
+      Dual x[7];
+      for (int j = 0; j < 7; ++j) x[j] = Dual(q[j], j == k ? 1 : 0);
+      const Dual G = solve_growth(GrowthRate<Dual>{x[0], x[1], x[2], x[3]}, x[4], x[5], x[6]).G;
+      const auto plain = [&](double sign) {
+        long double y[7];
+        for (int j = 0; j < 7; ++j) y[j] = q[j] + (j == k ? sign * 1e-6L : 0);
+        return solve_growth(GrowthRate<long double>{y[0], y[1], y[2], y[3]}, y[4], y[5], y[6]).G;
+      };
+      EXPECT_NEAR(G.d, static_cast<double>((plain(1) - plain(-1)) / 2e-6L), 1e-8 * (1 + std::abs(G.d)))
+          << i << ' ' << k;
+    }
+    const auto rate = GrowthRate<>{q[0], q[1], q[2], q[3]};
+    const auto step = solve_growth(rate, q[4], q[5], q[6]);
+    EXPECT_DOUBLE_EQ(solve_growth(rate, Complex(q[4]), Complex(q[5], 1e-30), q[6]).G.imag() / 1e-30,
+                     step.dG_dlambda);
+  }
+}
+
+TEST(GrowthSolve, SinglePrecision) {
+  const GrowthRate<float> rate{0.5f, 2.f, 1.1f, 1.01f};
+  EXPECT_NEAR(solve_growth(rate, 1.f, 1.1f, 0.5f).G, 1.02931485f, 2e-7f);
+}
+
+}  // namespace
