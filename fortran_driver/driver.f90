@@ -1,0 +1,135 @@
+! myogrowth_driver: one finite element, or one material point, around an Abaqus UMAT.
+program driver
+  use, intrinsic :: iso_fortran_env, only: dp => real64, output_unit
+  use input, only: settings, read_input, default_run
+  use material_point, only: material
+  use output, only: report, open_report
+  use prescribed_path, only: run_path
+  use solver, only: run_element
+  use text, only: str, stop_run, status_input
+  use umat_interface, only: umat, load_umat
+  implicit none
+  save  ! or the leak checker takes for lost what the program still holds at its end
+
+  character(len=*), parameter :: name = 'myogrowth_driver'
+  character(len=*), parameter :: options = '--out FOLDER, --umat FILE, --path FILE, --quiet, --help'
+  character(len=:), allocatable :: input_file, folder, umat_file, path_file
+  type(settings) :: s
+  type(material) :: m
+  type(report) :: r
+  logical :: quiet
+
+  call read_command_line()
+  if (input_file == '') then
+    call default_run(s)
+  else
+    call read_input(input_file, s)
+  end if
+  if (folder /= '') s%folder = folder
+  if (umat_file /= '') s%umat_file = umat_file
+  call set_material()
+  if (path_file == '') then
+    call open_report(s%folder, quiet, s%log_residuals, s%print_every, r)
+    call run_element(s, m, r)
+  else
+    call open_report(s%folder, quiet, .false., 0.0_dp, r)  ! every row is printed
+    call run_path(path_file, m, s%folder, r)
+  end if
+
+contains
+
+  subroutine read_command_line()
+    character(len=:), allocatable :: argument
+    integer :: i
+
+    input_file = ''
+    folder = ''
+    umat_file = ''
+    path_file = ''
+    quiet = .false.
+    i = 1
+    do while (i <= command_argument_count())
+      argument = argument_at(i)
+      select case (argument)
+      case ('--help', '-h')
+        call print_help()
+        stop
+      case ('--quiet')
+        quiet = .true.
+      case ('--out')
+        folder = value_after(i)
+      case ('--umat')
+        umat_file = value_after(i)
+      case ('--path')
+        path_file = value_after(i)
+      case default
+        if (index(argument, '-') == 1) then
+          call stop_run(status_input, name//': unknown option '//argument//'; known: '//options)
+        else if (input_file /= '' .or. argument == '') then
+          call stop_run(status_input, name//': one input file, found "'//input_file//'" and "'//argument//'"')
+        end if
+        input_file = argument
+      end select
+      i = i + 1
+    end do
+  end subroutine read_command_line
+
+  function argument_at(i) result(argument)
+    integer, intent(in) :: i
+    character(len=:), allocatable :: argument
+    integer :: length
+
+    call get_command_argument(i, length=length)
+    allocate (character(len=length) :: argument)
+    call get_command_argument(i, argument)
+  end function argument_at
+
+  ! The value of the option at i, which moves on to it.
+  function value_after(i) result(argument)
+    integer, intent(inout) :: i
+    character(len=:), allocatable :: argument
+
+    i = i + 1
+    argument = ''
+    if (i <= command_argument_count()) argument = argument_at(i)
+    if (argument == '') call stop_run(status_input, name//': '//argument_at(i - 1)//' needs a value')
+  end function value_after
+
+  subroutine set_material()
+    character(len=:), allocatable :: message
+
+    m%props = s%props
+    m%statev_initial = s%statev_initial
+    m%umat => umat
+    if (s%umat_file == '') return
+    call load_umat(s%umat_file, m%umat, message)
+    if (.not. associated(m%umat)) then
+      call stop_run(status_input, name//': the UMAT '//s%umat_file//' cannot be used: '//message)
+    end if
+  end subroutine set_material
+
+  subroutine print_help()
+    character(len=*), parameter :: text(17) = [character(len=100) :: &
+      'usage: myogrowth_driver [INPUT.nml] [options]', &
+      '', &
+      'Leads one 8-node brick through the loading in INPUT.nml, as an implicit finite-element code would:', &
+      'Newton''s method in finite strain, with automatic cut-backs. Without INPUT.nml: a cube of muscle,', &
+      'stretched by 10 % along its fibre in one day and held to day 42 (kPa, days).', &
+      '', &
+      '  --out FOLDER   where to write history.csv and newton.log; made if it is missing (default .)', &
+      '  --umat FILE    a shared library with the symbol umat_ to use instead of myogrowth''s', &
+      '  --path FILE    no element: one UMAT call per row of FILE, a CSV file with the header', &
+      '                 time,F11,F12,F13,F21,F22,F23,F31,F32,F33; also writes ddsdde.csv', &
+      '  --quiet        nothing on the screen but errors', &
+      '  --help         this text', &
+      '', &
+      'Groups in INPUT.nml, all optional: &material, &element, &time, &face (repeated), &solver, &output;', &
+      'the files in fortran_driver/cases explain them.', &
+      '', &
+      'Exit status: 0 done, 1 something in the input is wrong, 2 the run could not be finished.']
+    integer :: i
+
+    write (output_unit, '(a)') (trim(text(i)), i=1, size(text))
+  end subroutine print_help
+
+end program driver

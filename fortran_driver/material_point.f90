@@ -1,0 +1,140 @@
+! One material point as an implicit finite-strain host keeps it, and its update by the UMAT.
+module material_point
+  use, intrinsic :: iso_fortran_env, only: dp => real64
+  use umat_interface, only: umat_routine
+  implicit none
+  private
+  public :: material, point, increment, new_point, update, tensor, ntens, identity
+
+  integer, parameter :: ntens = 6
+  real(dp), parameter :: identity(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_dp, [3, 3])
+
+  type :: material
+    procedure(umat_routine), pointer, nopass :: umat => null()
+    real(dp), allocatable :: props(:), statev_initial(:)  ! statev_initial has NSTATV entries
+  end type material
+
+  type :: point
+    integer :: number = 1
+    real(dp) :: stress(ntens) = 0       ! Cauchy stress, 11 22 33 12 13 23
+    real(dp) :: strain(ntens) = 0       ! logarithmic strain to second order in the increments
+    real(dp) :: energy(3) = 0           ! SSE, SPD, SCD
+    real(dp) :: F(3, 3) = identity
+    real(dp), allocatable :: statev(:)
+  end type point
+
+  type :: increment
+    real(dp) :: time = 0   ! at the beginning
+    real(dp) :: dtime = 0
+    integer :: number = 1
+  end type increment
+
+contains
+
+  function new_point(m, number) result(p)
+    type(material), intent(in) :: m
+    integer, intent(in) :: number
+    type(point) :: p
+
+    p%number = number
+    allocate (p%statev, source=m%statev_initial)
+  end function new_point
+
+  ! The point at the end of an increment in which the deformation gradient becomes F. pnewdt < 1: the UMAT
+  ! wants a shorter increment, and `new` must not be used.
+  subroutine update(m, old, inc, F, coords, length, new, ddsdde, pnewdt)
+    type(material), intent(in) :: m
+    type(point), intent(in) :: old
+    type(increment), intent(in) :: inc
+    real(dp), intent(in) :: F(3, 3), coords(3), length
+    type(point), intent(inout) :: new
+    real(dp), intent(out) :: ddsdde(ntens, ntens), pnewdt
+    real(dp) :: dstran(ntens), drot(3, 3), rpl, ddsddt(ntens), drplde(ntens), drpldt
+    character(len=80) :: cmname
+
+    cmname = 'MYOGROWTH'
+    new = old
+    call hughes_winget(old%F, F, dstran, drot)
+    new%stress = components(rotated(tensor(old%stress), drot), 1.0_dp)
+    new%strain = components(rotated(strain_tensor(old%strain), drot), 2.0_dp)
+    ddsdde = 0
+    rpl = 0
+    ddsddt = 0
+    drplde = 0
+    drpldt = 0
+    pnewdt = 1
+    call m%umat(new%stress, new%statev, ddsdde, new%energy(1), new%energy(2), new%energy(3), rpl, ddsddt, &
+                drplde, drpldt, new%strain, dstran, [inc%time, inc%time], inc%dtime, 0.0_dp, 0.0_dp, &
+                [0.0_dp], [0.0_dp], cmname, 3, 3, ntens, size(new%statev), m%props, size(m%props), &
+                coords, drot, pnewdt, length, old%F, F, 1, old%number, 1, 1, [1, 1, 1, 0], inc%number)
+    new%strain = new%strain + dstran
+    new%F = F
+  end subroutine update
+
+  ! Strain increment and rotation of Hughes and Winget, from the displacement gradient at mid-increment: what
+  ! Abaqus hands to a UMAT, and by which it turns the old stress. Not a number for a half turn in one
+  ! increment, which only a UMAT that is not a function of F alone would notice.
+  subroutine hughes_winget(F0, F1, dstran, drot)
+    real(dp), intent(in) :: F0(3, 3), F1(3, 3)
+    real(dp), intent(out) :: dstran(ntens), drot(3, 3)
+    real(dp) :: gradient(3, 3), half_spin(3, 3), inverted(3, 3)
+
+    inverted = inverse(F1 + F0)
+    gradient = 2*matmul(F1 - F0, inverted)
+    half_spin = (gradient - transpose(gradient))/4
+    dstran = components((gradient + transpose(gradient))/2, 2.0_dp)
+    inverted = inverse(identity - half_spin)
+    drot = matmul(inverted, identity + half_spin)
+  end subroutine hughes_winget
+
+  pure function rotated(a, R) result(b)
+    real(dp), intent(in) :: a(3, 3), R(3, 3)
+    real(dp) :: b(3, 3)
+
+    b = matmul(R, matmul(a, transpose(R)))
+  end function rotated
+
+  pure function tensor(v) result(a)
+    real(dp), intent(in) :: v(ntens)
+    real(dp) :: a(3, 3)
+
+    a = reshape([v(1), v(4), v(5), v(4), v(2), v(6), v(5), v(6), v(3)], [3, 3])
+  end function tensor
+
+  ! From engineering shears.
+  pure function strain_tensor(v) result(a)
+    real(dp), intent(in) :: v(ntens)
+    real(dp) :: a(3, 3)
+
+    a = tensor([v(1:3), v(4:6)/2])
+  end function strain_tensor
+
+  ! shear_factor: 1 for a stress, 2 for engineering shears.
+  pure function components(a, shear_factor) result(v)
+    real(dp), intent(in) :: a(3, 3), shear_factor
+    real(dp) :: v(ntens)
+
+    v = [a(1, 1), a(2, 2), a(3, 3), shear_factor*[a(1, 2), a(1, 3), a(2, 3)]]
+  end function components
+
+  pure function inverse(a) result(b)
+    real(dp), intent(in) :: a(3, 3)
+    real(dp) :: b(3, 3)
+    integer :: i, j, k
+
+    do i = 1, 3
+      j = modulo(i, 3) + 1
+      k = modulo(j, 3) + 1
+      b(i, :) = cross(a(:, j), a(:, k))
+    end do
+    b = b/dot_product(b(1, :), a(:, 1))
+  end function inverse
+
+  pure function cross(a, b) result(c)
+    real(dp), intent(in) :: a(3), b(3)
+    real(dp) :: c(3)
+
+    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
+  end function cross
+
+end module material_point
