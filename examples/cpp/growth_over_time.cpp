@@ -14,6 +14,7 @@ int main() {
     const auto next = myogrowth::update(muscle, F, state, dt);
     if (!next.ok()) return 1;
     state = next.state;
-    if (step % 60 == 0) std::printf("day %4.1f  G = %.5f  lambda_e = %.5f\n", t, state.G, next.point.lambda_e);
+    if (step % 60 == 0)
+      std::printf("day %4.1f  G = %.5f  lambda_e = %.5f\n", t, state.G, next.point.lambda_e);
   }
 }
