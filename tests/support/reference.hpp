@@ -4,7 +4,6 @@
 #ifndef MYOGROWTH_TESTS_REFERENCE_HPP
 #define MYOGROWTH_TESTS_REFERENCE_HPP
 
-#include <array>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
@@ -14,8 +13,16 @@ namespace reference {
 
 using Real =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
-using Vector = std::array<Real, 3>;
-using Matrix = std::array<Vector, 3>;  // rows
+template <class T>
+struct Three {
+  T x[3];
+  T& operator[](int i) { return x[i]; }
+  const T& operator[](int i) const { return x[i]; }
+  T* begin() { return x; }
+  T* end() { return x + 3; }
+};
+using Vector = Three<Real>;
+using Matrix = Three<Vector>;  // rows
 
 inline Matrix product(const Matrix& A, const Matrix& B) {
   Matrix C;
@@ -140,7 +147,7 @@ Matrix derivative(const samples::Point& p, const Matrix& F, const Matrix& dF, Me
 /// epsilon.
 inline Matrix unit_strain(int col) {
   Matrix D = identity();
-  for (auto& row : D) row = {0, 0, 0};
+  for (auto& row : D) row = Vector{};
   const int i = myogrowth::symmetric_row[col], j = myogrowth::symmetric_column[col];
   D[i][j] += Real(1) / 2;
   D[j][i] += Real(1) / 2;
@@ -186,7 +193,7 @@ inline myogrowth::Mat9<double> dP_dF(const samples::Point& p) {
   for (int k = 0; k < 3; ++k) {
     for (int L = 0; L < 3; ++L) {
       Matrix dF = identity();
-      for (auto& row : dF) row = {0, 0, 0};
+      for (auto& row : dF) row = Vector{};
       dF[k][L] = 1;
       const Matrix d = derivative(p, F, dF, first_piola);
       for (int i = 0; i < 3; ++i) {

@@ -242,7 +242,7 @@ TEST(Kernel, AccurateAtSmallStrain) {
 template <class T>
 class Scalars : public testing::Test {};
 using ScalarTypes = testing::Types<double, float, long double, Complex, dual::Dual>;
-TYPED_TEST_SUITE(Scalars, ScalarTypes);
+TYPED_TEST_SUITE(Scalars, ScalarTypes, );
 
 // One template, every scalar: the same growth, stress and tangents as double to the scalar's own rounding.
 TYPED_TEST(Scalars, GiveTheSameUpdate) {
