@@ -32,31 +32,39 @@ constexpr int n_props_required = 6;   ///< entries that have no default
 constexpr int n_statev = 8;           ///< entries that the UMAT keeps, as far as NSTATV has room
 constexpr int n_statev_required = 1;  ///< G has to be remembered
 
-constexpr Property props_table[n_props] = {
-    {"c1", "stress", "first Lame constant", 0, Allowed::bulk_positive},
-    {"c2", "stress", "second Lame constant (shear modulus)", 0, Allowed::positive},
-    {"tau", "time", "time constant of growth", 0, Allowed::positive},
-    {"gamma", "-", "shape exponent of the adaptation function", 0, Allowed::not_negative},
-    {"G_max", "-", "largest relative serial sarcomere number", 0, Allowed::above_one},
-    {"lambda_crit", "-", "elastic fibre stretch above which sarcomeres are added", 0, Allowed::positive},
-    {"n0_1", "-", "fibre direction n0, reference configuration; any length > 0", 1, Allowed::any},
-    {"n0_2", "-", "(second component)", 0, Allowed::any},
-    {"n0_3", "-", "(third component)", 0, Allowed::any},
-    {"frame", "-", "0: DFGRD1 is F in fixed axes; 1: local basis, F := sqrt(DFGRD1 DFGRD1^T)", 0,
-     Allowed::zero_or_one},
-    {"energy", "-", "psi per unit 0: reference volume, 1: grown volume", 0, Allowed::zero_or_one},
-};
+/// Entry i < n_props of PROPS.
+inline const Property& property(int i) {
+  static constexpr Property table[n_props] = {
+      {"c1", "stress", "first Lame constant", 0, Allowed::bulk_positive},
+      {"c2", "stress", "second Lame constant (shear modulus)", 0, Allowed::positive},
+      {"tau", "time", "time constant of growth", 0, Allowed::positive},
+      {"gamma", "-", "shape exponent of the adaptation function", 0, Allowed::not_negative},
+      {"G_max", "-", "largest relative serial sarcomere number", 0, Allowed::above_one},
+      {"lambda_crit", "-", "elastic fibre stretch above which sarcomeres are added", 0, Allowed::positive},
+      {"n0_1", "-", "fibre direction n0, reference configuration; any length > 0", 1, Allowed::any},
+      {"n0_2", "-", "(second component)", 0, Allowed::any},
+      {"n0_3", "-", "(third component)", 0, Allowed::any},
+      {"frame", "-", "0: DFGRD1 is F in fixed axes; 1: local basis, F := sqrt(DFGRD1 DFGRD1^T)", 0,
+       Allowed::zero_or_one},
+      {"energy", "-", "psi per unit 0: reference volume, 1: grown volume", 0, Allowed::zero_or_one},
+  };
+  return table[i];
+}
 
-constexpr StateVariable statev_table[n_statev] = {
-    {"G", "relative serial sarcomere number; 0 on entry: not initialised, taken as 1"},
-    {"lambda_e", "elastic fibre stretch lambda/G (relative sarcomere length)"},
-    {"lambda", "total fibre stretch"},
-    {"J", "det F, volume ratio"},
-    {"Je", "J/G, elastic volume ratio"},
-    {"n0_1", "reference fibre direction at this point; if not zero on entry it overrides PROPS(7:9)"},
-    {"n0_2", "(second component)"},
-    {"n0_3", "(third component)"},
-};
+/// Entry i < n_statev of STATEV.
+inline const StateVariable& state_variable(int i) {
+  static constexpr StateVariable table[n_statev] = {
+      {"G", "relative serial sarcomere number; 0 on entry: not initialised, taken as 1"},
+      {"lambda_e", "elastic fibre stretch lambda/G (relative sarcomere length)"},
+      {"lambda", "total fibre stretch"},
+      {"J", "det F, volume ratio"},
+      {"Je", "J/G, elastic volume ratio"},
+      {"n0_1", "reference fibre direction at this point; if not zero on entry it overrides PROPS(7:9)"},
+      {"n0_2", "(second component)"},
+      {"n0_3", "(third component)"},
+  };
+  return table[i];
+}
 
 /// What is allowed, in words.
 inline const char* text(Allowed allowed) {
@@ -108,9 +116,9 @@ struct Properties {
 /// of the first entry that is not allowed (the entries beyond the table must be 0), or -1 if all are.
 inline int read(const double* props, int n, Properties& out) {
   double p[n_props];
-  for (int i = 0; i < n_props; ++i) p[i] = i < n ? props[i] : props_table[i].initial;
+  for (int i = 0; i < n_props; ++i) p[i] = i < n ? props[i] : property(i).initial;
   for (int i = 0; i < n_props; ++i) {
-    if (!is_allowed(props_table[i].allowed, p[i], p[1])) return i;
+    if (!is_allowed(property(i).allowed, p[i], p[1])) return i;
   }
   for (int i = n_props; i < n; ++i) {
     if (props[i] != 0) return i;

@@ -50,7 +50,6 @@ void report(const char* text) {
 // Writes what is wrong with the arguments into text; false if nothing is.
 bool find_fault(int ntens, int nstatv, const double* statev, const double* props, int nprops,
                 abi::Properties& properties, char (&text)[400]) {
-  using abi::props_table;
   const auto fault = [&text](auto... arguments) {
     std::snprintf(text, sizeof text, arguments...);
     return true;
@@ -72,7 +71,7 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
                  props[bad], abi::n_props);
   }
   if (bad >= 0) {
-    const abi::Property& p = props_table[bad];
+    const abi::Property& p = abi::property(bad);
     return fault("PROPS(%d) = %.9g: %s, %s, must be finite and %s.", bad + 1, props[bad], p.symbol, p.meaning,
                  abi::text(p.allowed));
   }
@@ -113,7 +112,7 @@ void umat(double* stress, double* statev, double* ddsdde, double* sse, double* r
     return;
   }
 
-  double F[9], unit_n0[3];
+  double F[9];
   bool all_zero = true;  // as some hosts pass it without NLGEOM
   for (int i = 0; i < 9; ++i) all_zero = all_zero && dfgrd1[i] == 0;
   for (int i = 0; i < 9; ++i) F[i] = all_zero ? (i % 4 == 0 ? 1 : 0) : dfgrd1[i];
@@ -133,9 +132,7 @@ void umat(double* stress, double* statev, double* ddsdde, double* sse, double* r
   *sse = u.psi;
   const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
   for (int i = 0; i < 5 && i < nstatv; ++i) statev[i] = scalars[i];
-  if (nstatv >= abi::n_statev && normalise(properties.n0, unit_n0)) {
-    for (int i = 0; i < 3; ++i) statev[5 + i] = unit_n0[i];
-  }
+  for (int i = 0; i < 3 && nstatv >= abi::n_statev; ++i) statev[5 + i] = u.n0[i];
 }
 
 }  // namespace

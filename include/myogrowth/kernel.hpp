@@ -58,6 +58,7 @@ struct PointUpdate {
   T J, Je;         ///< det F and det F_e [-]
   T psi;           ///< energy per unit reference volume [stress]
   T c1, c2;      ///< Lamé constants that the stress is formed with: G times the material's for grown_volume
+  T n0[3];       ///< unit fibre direction that was used [-]
   T f[3];        ///< deformed fibre F n0 [-]
   T be[6];       ///< elastic left Cauchy-Green tensor [-]
   T tau[6];      ///< Kirchhoff stress [stress]
@@ -69,19 +70,24 @@ struct PointUpdate {
 template <class T>
 bool normalise(const T n0[3], T unit[3]) {
   using V = Real<T>;
-  V scale(0);
-  for (int i = 0; i < 3; ++i) {
-    if (!is_finite(n0[i])) return false;
-    const V size = value(n0[i]) < 0 ? -value(n0[i]) : value(n0[i]);
-    if (size > scale) scale = size;
+  using Limits = std::numeric_limits<V>;
+  const T square = n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2];
+  const V size = value(square);
+  if (!(size > Limits::min() / Limits::epsilon() && size <= Limits::max())) {  // the square is out of range
+    V largest(0);
+    for (int i = 0; i < 3; ++i) {
+      if (!is_finite(n0[i])) return false;
+      const V length = value(n0[i]) < 0 ? -value(n0[i]) : value(n0[i]);
+      if (length > largest) largest = length;
+    }
+    if (!(largest > 0)) return false;
+    const T scaled[3] = {n0[0] / largest, n0[1] / largest, n0[2] / largest};
+    return normalise(scaled, unit);
   }
-  if (!(scale > 0)) return false;
-  const T x = n0[0] / scale, y = n0[1] / scale, z = n0[2] / scale;
-  const T length = sqrt(x * x + y * y + z * z);
-  const V rounding = value(length) * scale - 1;
-  const V eps = 2 * std::numeric_limits<V>::epsilon();
-  const bool is_unit = std::is_same<T, V>::value && -eps <= rounding && rounding <= eps;
-  for (int i = 0; i < 3; ++i) unit[i] = is_unit ? n0[i] : T(n0[i] / scale / length);
+  constexpr V rounding = 4 * Limits::epsilon();
+  const bool is_unit = std::is_same<T, V>::value && -rounding <= size - 1 && size - 1 <= rounding;
+  const T per_length = is_unit ? T(V(1)) : T(V(1) / sqrt(square));
+  for (int i = 0; i < 3; ++i) unit[i] = n0[i] * per_length;
   return true;
 }
 
@@ -94,7 +100,7 @@ Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
   out.iterations = 0;
   out.G = G_n;
   out.dG_dlambda = out.lambda = out.lambda_e = out.J = out.Je = out.psi = out.c1 = out.c2 = nan;
-  for (T& x : out.f) x = nan;
+  for (int i = 0; i < 3; ++i) out.n0[i] = out.f[i] = nan;
   for (int i = 0; i < 6; ++i) out.be[i] = out.tau[i] = out.dtau_dG[i] = nan;
   return status;
 }
@@ -109,8 +115,8 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   using V = Real<T>;
   if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(Status::not_finite, G_n, out);
   if (!(value(G_n) > 0)) return detail::fail(Status::bad_state, G_n, out);
-  T n[3];
-  if (!normalise(n0, n)) {
+  const T* n = out.n0;
+  if (!normalise(n0, out.n0)) {
     const bool finite = is_finite(n0[0]) && is_finite(n0[1]) && is_finite(n0[2]);
     return detail::fail(finite ? Status::no_fibre : Status::not_finite, G_n, out);
   }

@@ -19,10 +19,11 @@
 namespace myogrowth {
 
 /// Place of component ij of a symmetric tensor among its six: 11 22 33 12 13 23.
-constexpr int symmetric_index[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-/// Row and column of each of the six.
-constexpr int symmetric_row[6] = {0, 1, 2, 0, 0, 1};
-constexpr int symmetric_column[6] = {0, 1, 2, 1, 2, 2};
+constexpr int symmetric_index(int i, int j) { return i == j ? i : i + j + 2; }
+/// Row of component a of the six.
+constexpr int symmetric_row(int a) { return a < 3 ? a : a == 5 ? 1 : 0; }
+/// Column of component a of the six.
+constexpr int symmetric_column(int a) { return a < 3 ? a : a == 3 ? 1 : 2; }
 
 /// Inverse[9] of F[9], by cofactors.
 template <class T>
@@ -46,8 +47,8 @@ void push(const T A[9], const T s[6], const T B[9], T y[9]) {
   for (int i = 0; i < 3; ++i) {
     T row[3];
     for (int l = 0; l < 3; ++l) {
-      row[l] = A[i] * s[symmetric_index[0][l]] + A[i + 3] * s[symmetric_index[1][l]] +
-               A[i + 6] * s[symmetric_index[2][l]];
+      row[l] = A[i] * s[symmetric_index(0, l)] + A[i + 3] * s[symmetric_index(1, l)] +
+               A[i + 6] * s[symmetric_index(2, l)];
     }
     for (int j = 0; j < 3; ++j) y[i + 3 * j] = row[0] * B[j] + row[1] * B[j + 3] + row[2] * B[j + 6];
   }
@@ -58,7 +59,7 @@ template <class T>
 void push_symmetric(const T A[9], const T s[6], T y[6]) {
   T full[9];
   push(A, s, A, full);
-  for (int a = 0; a < 6; ++a) y[a] = full[symmetric_row[a] + 3 * symmetric_column[a]];
+  for (int a = 0; a < 6; ++a) y[a] = full[symmetric_row(a) + 3 * symmetric_column(a)];
 }
 
 /// y_abcd = A_ai A_bj A_ck A_dl x_ijkl for A[9] and x[36] with both minor symmetries.
@@ -80,14 +81,14 @@ void add_rate_terms(const T tau[6], int sign, const T c[36], T t[36]) {
   using V = Real<T>;
   const V half = V(sign) / V(2);
   for (int col = 0; col < 6; ++col) {
-    const int k = symmetric_row[col], l = symmetric_column[col];
+    const int k = symmetric_row(col), l = symmetric_column(col);
     for (int row = 0; row < 6; ++row) {
-      const int i = symmetric_row[row], j = symmetric_column[row];
+      const int i = symmetric_row(row), j = symmetric_column(row);
       T sum(0);
-      if (i == k) sum = sum + tau[symmetric_index[j][l]];
-      if (i == l) sum = sum + tau[symmetric_index[j][k]];
-      if (j == k) sum = sum + tau[symmetric_index[i][l]];
-      if (j == l) sum = sum + tau[symmetric_index[i][k]];
+      if (i == k) sum = sum + tau[symmetric_index(j, l)];
+      if (i == l) sum = sum + tau[symmetric_index(j, k)];
+      if (j == k) sum = sum + tau[symmetric_index(i, l)];
+      if (j == l) sum = sum + tau[symmetric_index(i, k)];
       t[row + 6 * col] = c[row + 6 * col] + half * sum;
     }
   }
@@ -153,7 +154,7 @@ void dP_dF_from_jaumann(const T F[9], const T tau[6], const T c[36], T dP_dF[81]
   for (int l = 0; l < 3; ++l) {
     for (int k = 0; k < 3; ++k) {
       T* column = half + 9 * (k + 3 * l);
-      push(I, C + 6 * symmetric_index[k][l], inv, column);
+      push(I, C + 6 * symmetric_index(k, l), inv, column);
       for (int J = 0; J < 3; ++J) column[k + 3 * J] = column[k + 3 * J] + P[l + 3 * J];
     }
   }
@@ -171,7 +172,7 @@ void dP_dF_from_jaumann(const T F[9], const T tau[6], const T c[36], T dP_dF[81]
 template <class T>
 void kirchhoff_from_first_piola(const T F[9], const T P[9], T tau[6]) {
   for (int a = 0; a < 6; ++a) {
-    const int i = symmetric_row[a], j = symmetric_column[a];
+    const int i = symmetric_row(a), j = symmetric_column(a);
     tau[a] = P[i] * F[j] + P[i + 3] * F[j + 3] + P[i + 6] * F[j + 6];
   }
 }
@@ -180,7 +181,7 @@ void kirchhoff_from_first_piola(const T F[9], const T P[9], T tau[6]) {
 template <class T>
 void jaumann_from_dP_dF(const T F[9], const T tau[6], const T dP_dF[81], T c[36]) {
   const auto spatial = [&](int i, int j, int k, int m) {
-    T sum = j == k ? tau[symmetric_index[i][m]] : T(0);
+    T sum = j == k ? tau[symmetric_index(i, m)] : T(0);
     for (int J = 0; J < 3; ++J) {
       for (int L = 0; L < 3; ++L) {
         sum = sum + F[j + 3 * J] * dP_dF[(i + 3 * J) + 9 * (k + 3 * L)] * F[m + 3 * L];
@@ -189,9 +190,9 @@ void jaumann_from_dP_dF(const T F[9], const T tau[6], const T dP_dF[81], T c[36]
     return sum;
   };
   for (int col = 0; col < 6; ++col) {
-    const int k = symmetric_row[col], m = symmetric_column[col];
+    const int k = symmetric_row(col), m = symmetric_column(col);
     for (int row = 0; row < 6; ++row) {
-      const int i = symmetric_row[row], j = symmetric_column[row];
+      const int i = symmetric_row(row), j = symmetric_column(row);
       c[row + 6 * col] = (spatial(i, j, k, m) + spatial(i, j, m, k)) / Real<T>(2);
     }
   }

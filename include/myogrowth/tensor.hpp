@@ -35,7 +35,7 @@ T contraction(const Mat3<T>& A, const Mat3<T>& B) {
 template <class T>
 Vec6<T> to_six(const Mat3<T>& A) {
   Vec6<T> six;
-  for (int a = 0; a < 6; ++a) six[a] = A(symmetric_row[a], symmetric_column[a]);
+  for (int a = 0; a < 6; ++a) six[a] = A(symmetric_row(a), symmetric_column(a));
   return six;
 }
 
@@ -44,7 +44,7 @@ template <class T>
 Mat3<T> from_six(const Vec6<T>& six) {
   Mat3<T> A;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) A(i, j) = six[symmetric_index[i][j]];
+    for (int j = 0; j < 3; ++j) A(i, j) = six[symmetric_index(i, j)];
   }
   return A;
 }
@@ -62,8 +62,8 @@ Mat6<T> symmetric_product(const Mat3<T>& A, const Mat3<T>& B) {
   Mat6<T> C;
   for (int row = 0; row < 6; ++row) {
     for (int col = 0; col < 6; ++col) {
-      const int i = symmetric_row[row], j = symmetric_column[row];
-      const int k = symmetric_row[col], l = symmetric_column[col];
+      const int i = symmetric_row(row), j = symmetric_column(row);
+      const int k = symmetric_row(col), l = symmetric_column(col);
       C(row, col) =
           (A(i, k) * B(j, l) + A(i, l) * B(j, k) + B(i, k) * A(j, l) + B(i, l) * A(j, k)) / Real<T>(4);
     }

@@ -148,7 +148,7 @@ Matrix derivative(const samples::Point& p, const Matrix& F, const Matrix& dF, Me
 inline Matrix unit_strain(int col) {
   Matrix D = identity();
   for (auto& row : D) row = Vector{};
-  const int i = myogrowth::symmetric_row[col], j = myogrowth::symmetric_column[col];
+  const int i = myogrowth::symmetric_row(col), j = myogrowth::symmetric_column(col);
   D[i][j] += Real(1) / 2;
   D[j][i] += Real(1) / 2;
   return D;
@@ -156,7 +156,7 @@ inline Matrix unit_strain(int col) {
 
 inline void put(const Matrix& A, int col, myogrowth::Mat6<double>& C) {
   for (int row = 0; row < 6; ++row) {
-    C(row, col) = static_cast<double>(A[myogrowth::symmetric_row[row]][myogrowth::symmetric_column[row]]);
+    C(row, col) = static_cast<double>(A[myogrowth::symmetric_row(row)][myogrowth::symmetric_column(row)]);
   }
 }
 

@@ -40,7 +40,7 @@ TEST(Definitions, StressAndModulusAreDerivativesOfTheEnergy) {
   Mat6<double> L;
   for (int a = 0; a < 6; ++a) {
     Mat3<Complex> C = Ce.cast<Complex>();
-    const int i = symmetric_row[a], j = symmetric_column[a];
+    const int i = symmetric_row(a), j = symmetric_column(a);
     C(i, j) += Complex(0, i == j ? h : h / 2);
     if (i != j) C(j, i) += Complex(0, h / 2);
     S(i, j) = S(j, i) = 2 * law.psi(C).imag() / h;
@@ -97,7 +97,7 @@ TEST(Kernel, WithoutGrowthItIsTheElasticLawBitForBit) {
     const double pressure = p.muscle.c1 * std::log1p(J_minus_1);
     const auto u = update(p.muscle, p.F, p.state, p.dt);
     for (int a = 0; a < 6; ++a) {
-      const int i = symmetric_row[a], j = symmetric_column[a];
+      const int i = symmetric_row(a), j = symmetric_column(a);
       const double b_minus_I =
           H(i, j) + H(j, i) + (H(i, 0) * H(j, 0) + H(i, 1) * H(j, 1) + H(i, 2) * H(j, 2));
       EXPECT_EQ(u.point.tau[a], (i == j ? pressure : 0) + p.muscle.c2 * b_minus_I);

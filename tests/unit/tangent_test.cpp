@@ -148,7 +148,7 @@ TEST(Tangent, DualNumbersGiveTheSameColumns) {
       for (int k = 0; k < 3; ++k) state.n0[k] = p.state.n0[k];
       const Mat3<Dual> tau = update(p.muscle, F, state, p.dt).kirchhoff();
       for (int row = 0; row < 6; ++row) {
-        EXPECT_NEAR(tau(symmetric_row[row], symmetric_column[row]).d, u.jaumann_modulus()(row, col),
+        EXPECT_NEAR(tau(symmetric_row(row), symmetric_column(row)).d, u.jaumann_modulus()(row, col),
                     1e-12 * u.jaumann_modulus().norm());
       }
     }
