@@ -1,6 +1,5 @@
 /// @file
-/// PROPS and STATEV of the UMAT: one table each, which the checks, the messages and the manual's tables
-/// share.
+/// PROPS and STATEV of the UMAT: one table each, for the checks, the messages and the manual.
 #ifndef MYOGROWTH_ABI_PROPERTIES_HPP
 #define MYOGROWTH_ABI_PROPERTIES_HPP
 

@@ -54,8 +54,7 @@ struct GrowthEquation {
   T q(const T& lambda, const T& G) const {
     return lambda - lambda_crit * G;
   }
-  /// Derivative of E G (G - G_n) - k q at the root, where k q = E G (G - G_n); no difference of near numbers
-  /// in it.
+  /// Derivative of E G (G - G_n) - k q at the root. As k q = E G (G - G_n) there, nothing cancels in it.
   template <class T>
   T slope(const T& G, const T& G_n, const T& k) const {
     const T grown = E * (G - G_n);
@@ -164,10 +163,9 @@ T with_derivatives(const GrowthEquation<P>&, const T&, const T&, T G_end, std::t
 
 /// Solves R(G) = 0 (above) for one step of length dt [time] under the total stretch lambda at its end.
 ///
-/// Works for every G_n > 0, lambda > 0 and dt, also infinite; G_n <= G <= max(G_n, min(G_max,
-/// lambda/lambda_crit)) always. dG/dlambda is the exact derivative of this discrete update, from the implicit
-/// function theorem at the converged G, and lies in [0, 1/lambda_crit]; at the threshold and at G_max it is
-/// 0.
+/// Works for every G_n > 0, lambda > 0 and dt, also infinite. G never leaves the bracket above.
+/// dG/dlambda is the exact derivative of this discrete update, from the implicit function theorem at the
+/// converged G; it lies in [0, 1/lambda_crit], and is 0 at the threshold and at G_max.
 template <class T, class P>
 GrowthStep<T> solve_growth(const GrowthRate<P>& rate, const T& G_n, const T& lambda,
                            const std::common_type_t<P>& dt) {
@@ -175,8 +173,8 @@ GrowthStep<T> solve_growth(const GrowthRate<P>& rate, const T& G_n, const T& lam
   const GrowthRate<V> r{value(rate.growth_time), value(rate.gamma), value(rate.G_max),
                         value(rate.lambda_crit)};
   const GrowthStep<T> none{G_n, T(0), 0};
-  if (!(value(dt) > 0) || !(value(lambda) > r.lambda_crit * value(G_n)) || !(value(G_n) < r.G_max))
-    return none;
+  const bool grows = value(dt) > 0 && value(lambda) > r.lambda_crit * value(G_n) && value(G_n) < r.G_max;
+  if (!grows) return none;
   const detail::BracketedEquation<V> eq(r, value(dt), value(G_n), value(lambda));
   if (!(eq.A > 0)) return none;  // dt k_g(G_n) is below the smallest number
 

@@ -155,8 +155,7 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   out.c1 = grown ? T(G * material.c1) : T(material.c1);
   out.c2 = grown ? T(G * material.c2) : T(material.c2);
   const T pressure = out.c1 * ln_Je;
-  // b_e - I = (F F^T - I) - (G^2 - 1) fe⊗fe, with the square written as in F F^T: F = F_g is free of stress
-  // exactly.
+  // b_e - I = (F F^T - I) - (G^2 - 1) fe⊗fe, the square written as in F F^T: F = F_g is exactly stress-free.
   const T square_minus_1 = G_minus_1 + G_minus_1 + G_minus_1 * G_minus_1;
   const T fe[3] = {f[0] / G, f[1] / G, f[2] / G};
   const T fefe[6] = {fe[0] * fe[0], fe[1] * fe[1], fe[2] * fe[2],
@@ -181,9 +180,9 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   return out.status;
 }
 
-/// Spatial modulus c[36] of the Jaumann rate of the Kirchhoff stress, J DDSDDE in Abaqus's terms, consistent
-/// with the discrete update: d tau = c:D for a symmetric increment dF = D F. Unsymmetric where the muscle
-/// grows.
+/// Spatial modulus c[36] of the Jaumann rate of the Kirchhoff stress, J DDSDDE in Abaqus's terms.
+/// Consistent with the discrete update: d tau = c:D for a symmetric increment dF = D F.
+/// Unsymmetric where the muscle grows.
 template <class T>
 void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
   using V = Real<T>;
@@ -192,42 +191,14 @@ void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
   const T b12 = u.c2 * u.be[3], b13 = u.c2 * u.be[4], b23 = u.c2 * u.be[5];
   const T h12 = half_c2 * u.be[3], h13 = half_c2 * u.be[4], h23 = half_c2 * u.be[5];
   const T zero(0), c1 = u.c1;
-  const T elastic[36] = {c1 + b1 + b1,
-                         c1,
-                         c1,
-                         b12,
-                         b13,
-                         zero,  //
-                         c1,
-                         c1 + b2 + b2,
-                         c1,
-                         b12,
-                         zero,
-                         b23,  //
-                         c1,
-                         c1,
-                         c1 + b3 + b3,
-                         zero,
-                         b13,
-                         b23,  //
-                         b12,
-                         b12,
-                         zero,
-                         (b1 + b2) / V(2),
-                         h23,
-                         h13,  //
-                         b13,
-                         zero,
-                         b13,
-                         h23,
-                         (b1 + b3) / V(2),
-                         h12,  //
-                         zero,
-                         b23,
-                         b23,
-                         h13,
-                         h12,
-                         (b2 + b3) / V(2)};
+  // clang-format off
+  const T elastic[36] = {c1 + b1 + b1, c1,           c1,           b12,              b13,              zero,
+                         c1,           c1 + b2 + b2, c1,           b12,              zero,             b23,
+                         c1,           c1,           c1 + b3 + b3, zero,             b13,              b23,
+                         b12,          b12,          zero,         (b1 + b2) / V(2), h23,              h13,
+                         b13,          zero,         b13,          h23,              (b1 + b3) / V(2), h12,
+                         zero,         b23,          b23,          h13,              h12,              (b2 + b3) / V(2)};
+  // clang-format on
   for (int i = 0; i < 36; ++i) c[i] = elastic[i];
   if (value(u.dG_dlambda) == 0) return;
 

@@ -1,6 +1,5 @@
 /// @file
-/// The left stretch tensor V = sqrt(F F^T), for hosts that hand over F in a basis that turns with the
-/// material.
+/// The left stretch tensor V = sqrt(F F^T), for hosts that give F in a basis that turns with the material.
 #ifndef MYOGROWTH_LEFT_STRETCH_HPP
 #define MYOGROWTH_LEFT_STRETCH_HPP
 
@@ -10,12 +9,11 @@
 
 namespace myogrowth {
 
-/// V[9] with V V = F F^T, symmetric and positive definite. False, and V untouched, if det F <= 0 or F is not
-/// finite.
+/// V[9] with V V = F F^T, symmetric and positive definite; V may be F. False, and V untouched, if F has none:
+/// det F <= 0, or not finite.
 ///
-/// The rotation R of F = V R comes from Newton's method for the polar decomposition (Higham 1986), X <- (X +
-/// X^-T)/2 with scaling: it has no trouble with equal stretches, converges quadratically and carries
-/// derivatives.
+/// The rotation R of F = V R comes from Newton's method for the polar decomposition (Higham 1986),
+/// X <- (X + X^-T)/2 with scaling: equal stretches are no trouble to it, and it carries derivatives.
 template <class T>
 bool left_stretch(const T F[9], T V[9]) {
   using R = Real<T>;
@@ -30,8 +28,7 @@ bool left_stretch(const T F[9], T V[9]) {
                 F[6] * (F[1] * F[5] - F[4] * F[2]);
   if (!is_finite(size) || !(value(det) > 0)) return false;
 
-  // Converges in at most nine steps for any F in range with scaling; the bound is for F that are singular to
-  // rounding.
+  // With scaling it takes nine steps at most; the bound is for F that are singular to rounding.
   bool last = false;
   for (int iteration = 0; iteration < 40; ++iteration) {
     inverse(X, inv);
