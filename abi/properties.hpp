@@ -28,7 +28,9 @@ struct StateVariable {
 
 constexpr int n_props = 11;           ///< entries that mean something
 constexpr int n_props_required = 6;   ///< entries that have no default
-constexpr int n_statev = 8;           ///< entries that the UMAT keeps, as far as NSTATV has room
+constexpr int n_statev = 9;           ///< entries that the UMAT keeps, as far as NSTATV has room
+constexpr int fibre_entry = 5;        ///< index of the first of the fibre's three in STATEV
+constexpr int thickness_entry = 8;    ///< index of the thickness stretch in STATEV
 constexpr int n_statev_required = 1;  ///< G has to be remembered
 
 /// Entry i < n_props of PROPS.
@@ -61,6 +63,7 @@ inline const StateVariable& state_variable(int i) {
       {"n0_1", "reference fibre direction at this point; if not zero on entry it overrides PROPS(7:9)"},
       {"n0_2", "(second component)"},
       {"n0_3", "(third component)"},
+      {"F33", "thickness stretch, with plane stress alone (NTENS = 3); 0 on entry: not initialised"},
   };
   return table[i];
 }

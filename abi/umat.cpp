@@ -7,6 +7,7 @@
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
+#include <myogrowth/stress_states.hpp>
 
 #include "properties.hpp"
 
@@ -47,6 +48,9 @@ void report(const char* text) {
   if (xit_) xit_();
 }
 
+// The fibre is kept whole or not at all.
+bool keeps_fibre(int nstatv) { return nstatv >= abi::fibre_entry + 3; }
+
 // Writes what is wrong with the arguments into text; false if nothing is.
 bool find_fault(int ntens, int nstatv, const double* statev, const double* props, int nprops,
                 abi::Properties& properties, char (&text)[400]) {
@@ -54,8 +58,11 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
     std::snprintf(text, sizeof text, arguments...);
     return true;
   };
-  if (ntens != 6) {
-    return fault("NTENS = %d: this version has NTENS = 6 alone (solid elements: C3D8, C3D6, ...).", ntens);
+  if (ntens != 6 && ntens != 4 && ntens != 3) {
+    return fault(
+        "NTENS = %d: must be 6 (solids), 4 (plane strain, axisymmetric) or 3 (plane stress, membranes, "
+        "shells).",
+        ntens);
   }
   if (nprops < abi::n_props_required) {
     return fault("NPROPS = %d: at least %d constants are needed: c1, c2, tau, gamma, G_max, lambda_crit.",
@@ -80,15 +87,14 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
         "STATEV(1) = %.9g on entry: G, the sarcomere number, must be > 0, or 0 where nothing is known yet.",
         statev[0]);
   }
-  if (nstatv >= abi::n_statev) {
-    for (int i = 5; i < 8; ++i) {
+  if (keeps_fibre(nstatv)) {
+    for (int i = abi::fibre_entry; i < abi::fibre_entry + 3; ++i) {
       if (!is_finite(statev[i])) {
         return fault("STATEV(%d) = %.9g on entry: the fibre direction must be finite.", i + 1, statev[i]);
       }
     }
-    if (statev[5] != 0 || statev[6] != 0 || statev[7] != 0) {
-      for (int i = 0; i < 3; ++i) properties.n0[i] = statev[5 + i];
-    }
+    const double* n0 = statev + abi::fibre_entry;
+    for (int i = 0; i < 3 && (n0[0] != 0 || n0[1] != 0 || n0[2] != 0); ++i) properties.n0[i] = n0[i];
   }
   if (properties.n0[0] == 0 && properties.n0[1] == 0 && properties.n0[2] == 0) {
     return fault(
@@ -112,27 +118,42 @@ void umat(double* stress, double* statev, double* ddsdde, double* sse, double* r
     return;
   }
 
-  double F[9];
-  bool all_zero = true;  // as some hosts pass it without NLGEOM
-  for (int i = 0; i < 9; ++i) all_zero = all_zero && dfgrd1[i] == 0;
-  for (int i = 0; i < 9; ++i) F[i] = all_zero ? (i % 4 == 0 ? 1 : 0) : dfgrd1[i];
+  // Of DFGRD1, what the element type has: F_33 is not given in plane stress, and all is zero in some hosts
+  // without NLGEOM.
+  const bool plane_stress_state = ntens == 3;
+  double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const bool given[9] = {true, true, ntens == 6, true, true, ntens == 6, ntens == 6, ntens == 6, ntens != 3};
+  bool all_zero = true;
+  for (int i = 0; i < 9; ++i) all_zero = all_zero && (!given[i] || dfgrd1[i] == 0);
+  for (int i = 0; i < 9; ++i) F[i] = given[i] && !all_zero ? dfgrd1[i] : F[i];
   if (properties.local_basis) left_stretch(F, F);  // an F that has none is refused below
 
   PointUpdate<double> u;
   const double G_n = statev[0] == 0 ? 1 : statev[0];
-  if (update_point(properties.material, F, properties.n0, G_n, dtime, u) != Status::ok) {
+  double c[36], thickness = nstatv > abi::thickness_entry ? statev[abi::thickness_entry] : 0;
+  if (plane_stress_state) {
+    const double in_plane[4] = {F[0], F[1], F[3], F[4]};
+    plane_stress(properties.material, in_plane, properties.n0, G_n, dtime, thickness, u, c);
+  } else if (update_point(properties.material, F, properties.n0, G_n, dtime, u) == Status::ok) {
+    spatial_modulus(u, c);
+  }
+  if (u.status != Status::ok) {
     refuse(stress, ddsdde, ntens, *pnewdt);
     return;
   }
 
-  double c[36];
-  spatial_modulus(u, c);
-  ddsdde_from_jaumann(u.J, c, ddsdde);
-  cauchy_from_kirchhoff(u.J, u.tau, stress);
+  const int component[6] = {0, 1, plane_stress_state ? 3 : 2, 3, 4, 5};  // of the law, for each of the host's
+  const int modulus_size = plane_stress_state ? 3 : 6;
+  const double per_J = 1 / u.J;
+  for (int j = 0; j < ntens; ++j) {
+    stress[j] = u.tau[component[j]] * per_J;
+    for (int i = 0; i < ntens; ++i) ddsdde[i + ntens * j] = c[i + modulus_size * j] * per_J;
+  }
   *sse = u.psi;
   const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
   for (int i = 0; i < 5 && i < nstatv; ++i) statev[i] = scalars[i];
-  for (int i = 0; i < 3 && nstatv >= abi::n_statev; ++i) statev[5 + i] = u.n0[i];
+  for (int i = 0; i < 3 && keeps_fibre(nstatv); ++i) statev[abi::fibre_entry + i] = u.n0[i];
+  if (plane_stress_state && nstatv > abi::thickness_entry) statev[abi::thickness_entry] = thickness;
 }
 
 }  // namespace

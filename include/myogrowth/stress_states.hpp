@@ -1,0 +1,137 @@
+/// @file
+/// The update under a stress that is prescribed to vanish: plane stress and uniaxial stress.
+///
+/// Wrappers over update_point: they look for the stretch that frees the stress. In ln(stretch) that stress
+/// grows monotonely (docs/theory.md), so a bracketed Newton method finds the one root from any start.
+#ifndef MYOGROWTH_STRESS_STATES_HPP
+#define MYOGROWTH_STRESS_STATES_HPP
+
+#include "kernel.hpp"
+
+namespace myogrowth {
+
+namespace detail {
+
+/// Finds the stretch x > 0 at which a stress vanishes that grows with it, starting from x.
+/// evaluate(x, stress, slope) gives the stress and its derivative with respect to ln x. On return the last
+/// evaluation was made at the stretch found. Newton's method, halving the bracket where that does not do
+/// better: the stress has a kink where growth sets in, and is almost flat while growth takes up all of the
+/// stretch.
+template <class T, class Evaluate>
+Status free_stretch(T& x, const Evaluate& evaluate) {
+  using V = Real<T>;
+  // Quadratic convergence: after a step of this size rounding is left, and derivatives lag one step behind.
+  const V small = sqrt(std::numeric_limits<V>::epsilon());
+  int steps_left = std::is_same<T, V>::value ? 1 : 2;
+  V low(0), high(0), last_size(1);  // high = 0: not known yet
+  for (int iteration = 0; iteration < 200; ++iteration) {
+    T stress, slope;
+    const Status status = evaluate(x, stress, slope);
+    if (status != Status::ok || steps_left == 0) return status;
+    (value(stress) > 0 ? high : low) = value(x);
+    const T step = -stress / slope;
+    const V size = value(step) < 0 ? -value(step) : value(step);
+    if (size <= small) {
+      --steps_left;
+      x = x * (V(1) + step);
+      continue;
+    }
+    const T next = x * (V(1) + step);
+    const bool inside = value(next) > low && (value(next) < high || high == 0);
+    const bool bracketed = low > 0 && high > 0;
+    if (value(slope) > 0 && inside && size <= (bracketed ? last_size / 2 : V(1))) {
+      x = next;
+      last_size = size;
+    } else {
+      const V middle = bracketed ? sqrt(low) * sqrt(high) : high == 0 ? low * 2 : high / 2;
+      last_size = bracketed ? high / low - 1 : V(1);
+      x = T(middle);
+    }
+  }
+  return Status::not_finite;
+}
+
+/// Entry row, column of the spatial modulus.
+template <class T>
+T modulus_entry(const T c[36], int row, int column) {
+  return c[row + 6 * column];
+}
+
+}  // namespace detail
+
+/// Plane stress in the 1-2 plane (membranes, shells): F is known in the plane alone, and the thickness
+/// stretch F_33 is the one at which tau_33 = 0. The fibre n0[3] lies in the plane or is normal to it; for an
+/// oblique one the transverse shear stresses do not vanish and are left out, as plane stress does.
+///
+/// F[4]: F_11, F_21, F_12, F_22. thickness: in, a start for F_33 (<= 0: none); out, F_33. u: the update at
+/// that F. c[9]: condensed modulus of the Jaumann rate of tau, rows and columns 11 22 12, column-major,
+/// engineering shear.
+template <class T, class P>
+Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3], const T& G_n, const P& dt,
+                    T& thickness, PointUpdate<T>& u, T c[9]) {
+  using V = Real<T>;
+  const T zero(0);
+  T full[36];
+  T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
+  const Status status = detail::free_stretch(x, [&](const T& F33, T& stress, T& slope) {
+    const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
+    const Status made = update_point(material, F3, n0, G_n, dt, u);
+    spatial_modulus(u, full);
+    stress = u.tau[2];
+    slope = detail::modulus_entry(full, 2, 2);
+    return made;
+  });
+  if (status != Status::ok) {
+    detail::fail(status, G_n, u);
+    for (int i = 0; i < 9; ++i) c[i] = u.tau[0];  // NaN
+    return status;
+  }
+  thickness = x;
+  const int in_plane[3] = {0, 1, 3};
+  for (int col = 0; col < 3; ++col) {
+    for (int row = 0; row < 3; ++row) {
+      const int i = in_plane[row], j = in_plane[col];
+      c[row + 3 * col] = detail::modulus_entry(full, i, j) - detail::modulus_entry(full, i, 2) *
+                                                                 detail::modulus_entry(full, 2, j) /
+                                                                 detail::modulus_entry(full, 2, 2);
+    }
+  }
+  return status;
+}
+
+/// Uniaxial stress along the fibre, as in a strip that is pulled with its sides free: the axial stretch is
+/// known, and the lateral stretch is the one at which tau_22 = tau_33 = 0.
+///
+/// lateral: in, a start (<= 0: none); out, the lateral stretch. u: the update at F = diag(stretch, lateral,
+/// lateral) with the fibre along 1, so that the axial force per reference area is u.tau[0]/stretch. slope:
+/// dtau_11/dln(stretch) at free sides, growth included [stress].
+template <class T, class P>
+Status uniaxial_stress(const FibreGrowth<P>& material, const T& stretch, const T& G_n, const P& dt,
+                       T& lateral, PointUpdate<T>& u, T& slope) {
+  using V = Real<T>;
+  const T zero(0), n0[3] = {T(V(1)), zero, zero};
+  T c[36];
+  T x = value(lateral) > 0 && is_finite(lateral) ? lateral : T(V(1));
+  const Status status = detail::free_stretch(x, [&](const T& side, T& stress, T& dstress) {
+    const T F[9] = {stretch, zero, zero, zero, side, zero, zero, zero, side};
+    const Status made = update_point(material, F, n0, G_n, dt, u);
+    spatial_modulus(u, c);
+    stress = u.tau[1];
+    dstress = detail::modulus_entry(c, 1, 1) + detail::modulus_entry(c, 1, 2);
+    return made;
+  });
+  if (status != Status::ok) {
+    detail::fail(status, G_n, u);
+    slope = u.tau[0];  // NaN
+    return status;
+  }
+  lateral = x;
+  slope = detail::modulus_entry(c, 0, 0) -
+          (detail::modulus_entry(c, 0, 1) + detail::modulus_entry(c, 0, 2)) * detail::modulus_entry(c, 1, 0) /
+              (detail::modulus_entry(c, 1, 1) + detail::modulus_entry(c, 1, 2));
+  return status;
+}
+
+}  // namespace myogrowth
+
+#endif
