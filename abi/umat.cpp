@@ -3,20 +3,38 @@
 //
 // Nothing is remembered between calls, nothing throws, and CMNAME (whose hidden length some hosts leave out),
 // NOEL, NPT, COORDS, LAYER and KSPT, which many hosts do not fill, are never read.
-#include <cstdio>
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
 #include <myogrowth/stress_states.hpp>
 
-#include "properties.hpp"
+#include "faults.hpp"
 
-// Abaqus's message and exit utilities. No other host has them, so they are looked for, not linked.
+// Names as the Fortran compiler writes them. Abaqus has a macro for that, FOR_NAME in omi_for_c.h, which took
+// one argument before Abaqus 2019: there, define MYOGROWTH_ABAQUS_BEFORE_2019.
+#if defined(__has_include)
+#if __has_include(<omi_for_c.h>)
+#include <omi_for_c.h>
+#define MYOGROWTH_INSIDE_ABAQUS
+#endif
+#endif
+#if !defined(MYOGROWTH_INSIDE_ABAQUS)
+#define MYOGROWTH_FORTRAN(lower, UPPER) lower##_
+#elif defined(MYOGROWTH_ABAQUS_BEFORE_2019)
+#define MYOGROWTH_FORTRAN(lower, UPPER) FOR_NAME(lower)
+#else
+#define MYOGROWTH_FORTRAN(lower, UPPER) FOR_NAME(lower, UPPER)
+#endif
+
+// Abaqus's message and exit utilities. No other host has them, so elsewhere they are looked for, not linked.
+#if defined(MYOGROWTH_INSIDE_ABAQUS)
+#define MYOGROWTH_IF_THERE
+#else
+#define MYOGROWTH_IF_THERE __attribute__((weak))
+#endif
 extern "C" {
-__attribute__((weak)) void stdb_abqerr_(const int* lop, const char* text, const int* ints,
-                                        const double* reals, const char* chars, std::size_t text_length,
-                                        std::size_t chars_length);
-__attribute__((weak)) void xit_();
+MYOGROWTH_IF_THERE myogrowth::abi::HostMessage MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR);
+MYOGROWTH_IF_THERE myogrowth::abi::HostExit MYOGROWTH_FORTRAN(xit, XIT);
 }
 
 namespace {
@@ -34,87 +52,31 @@ void refuse(double* stress, double* ddsdde, int ntens, double& pnewdt) {
   if (!(pnewdt <= cut_back)) pnewdt = cut_back;
 }
 
-void report(const char* text) {
-  const int error = -2, no_int = 0;
-  const double no_real = 0;
-  char line[512];
-  const int written = std::snprintf(line, sizeof line, "myogrowth UMAT: %s", text);
-  const int length = written < static_cast<int>(sizeof line) ? written : static_cast<int>(sizeof line) - 1;
-  if (stdb_abqerr_) {
-    stdb_abqerr_(&error, line, &no_int, &no_real, "        ", static_cast<std::size_t>(length), 8);
-  } else {
-    std::fprintf(stderr, "%s\n", line);
-  }
-  if (xit_) xit_();
-}
-
-// The fibre is kept whole or not at all.
-bool keeps_fibre(int nstatv) { return nstatv >= abi::fibre_entry + 3; }
-
-// Writes what is wrong with the arguments into text; false if nothing is.
+// True, and the text, if the arguments are not as they must be.
 bool find_fault(int ntens, int nstatv, const double* statev, const double* props, int nprops,
-                abi::Properties& properties, char (&text)[400]) {
-  const auto fault = [&text](auto... arguments) {
-    std::snprintf(text, sizeof text, arguments...);
-    return true;
-  };
+                abi::Properties& properties, abi::Text& text) {
   if (ntens != 6 && ntens != 4 && ntens != 3) {
-    return fault(
-        "NTENS = %d: must be 6 (solids), 4 (plane strain, axisymmetric) or 3 (plane stress, membranes, "
-        "shells).",
-        ntens);
+    return abi::tell(text,
+                     "NTENS = %d: must be 6 (solids), 4 (plane strain, axisymmetric) or 3 (plane stress, "
+                     "membranes, shells).",
+                     ntens);
   }
-  if (nprops < abi::n_props_required) {
-    return fault("NPROPS = %d: at least %d constants are needed: c1, c2, tau, gamma, G_max, lambda_crit.",
-                 nprops, abi::n_props_required);
-  }
-  if (nstatv < abi::n_statev_required) {
-    return fault("NSTATV = %d: at least %d is needed, to remember G (*DEPVAR; %d keeps all).", nstatv,
-                 abi::n_statev_required, abi::n_statev);
-  }
-  const int bad = abi::read(props, nprops, properties);
-  if (bad >= abi::n_props) {
-    return fault("PROPS(%d) = %.9g: this version knows %d constants; further ones must be 0.", bad + 1,
-                 props[bad], abi::n_props);
-  }
-  if (bad >= 0) {
-    const abi::Property& p = abi::property(bad);
-    return fault("PROPS(%d) = %.9g: %s, %s, must be finite and %s.", bad + 1, props[bad], p.symbol, p.meaning,
-                 abi::text(p.allowed));
-  }
-  if (!is_finite(statev[0]) || statev[0] < 0) {
-    return fault(
-        "STATEV(1) = %.9g on entry: G, the sarcomere number, must be > 0, or 0 where nothing is known yet.",
-        statev[0]);
-  }
-  if (keeps_fibre(nstatv)) {
-    for (int i = abi::fibre_entry; i < abi::fibre_entry + 3; ++i) {
-      if (!is_finite(statev[i])) {
-        return fault("STATEV(%d) = %.9g on entry: the fibre direction must be finite.", i + 1, statev[i]);
-      }
-    }
-    const double* n0 = statev + abi::fibre_entry;
-    for (int i = 0; i < 3 && (n0[0] != 0 || n0[1] != 0 || n0[2] != 0); ++i) properties.n0[i] = n0[i];
-  }
-  if (properties.n0[0] == 0 && properties.n0[1] == 0 && properties.n0[2] == 0) {
-    return fault(
-        "%s",
-        "PROPS(7:9) = 0, 0, 0: n0, the fibre direction, must have a length > 0 (or give it in STATEV(6:8)).");
-  }
-  return false;
+  return abi::find_props_fault(props, nprops, properties, text) ||
+         abi::find_room_fault("NSTATV", nstatv, text) ||
+         abi::find_state_fault(statev, nstatv, properties.n0, text);
 }
 
-void umat(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
-          double* drplde, double* drpldt, double dtime, int ntens, int nstatv, const double* props,
-          int nprops, double* pnewdt, const double* dfgrd1) {
+void update_state(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
+                  double* drplde, double* drpldt, double dtime, int ntens, int nstatv, const double* props,
+                  int nprops, double* pnewdt, const double* dfgrd1) {
   *rpl = *drpldt = 0;
   for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
 
   abi::Properties properties;
-  char text[400];
+  abi::Text text;
   if (find_fault(ntens, nstatv, statev, props, nprops, properties, text)) {
     refuse(stress, ddsdde, ntens, *pnewdt);
-    report(text);
+    abi::report("UMAT", text, MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR), MYOGROWTH_FORTRAN(xit, XIT));
     return;
   }
 
@@ -152,7 +114,7 @@ void umat(double* stress, double* statev, double* ddsdde, double* sse, double* r
   *sse = u.psi;
   const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
   for (int i = 0; i < 5 && i < nstatv; ++i) statev[i] = scalars[i];
-  for (int i = 0; i < 3 && keeps_fibre(nstatv); ++i) statev[abi::fibre_entry + i] = u.n0[i];
+  for (int i = 0; i < 3 && abi::keeps_fibre(nstatv); ++i) statev[abi::fibre_entry + i] = u.n0[i];
   if (plane_stress_state && nstatv > abi::thickness_entry) statev[abi::thickness_entry] = thickness;
 }
 
@@ -169,13 +131,17 @@ void umat(double* stress, double* statev, double* ddsdde, double* sse, double* r
       const double * /*drot*/, double *pnewdt, const double * /*celent*/, const double * /*dfgrd0*/,    \
       const double *dfgrd1, const int * /*noel*/, const int * /*npt*/, const int * /*layer*/,           \
       const int * /*kspt*/, const int * /*kstep*/, const int * /*kinc*/
-#define MYOGROWTH_UMAT_CALL                                                                               \
-  umat(stress, statev, ddsdde, sse, rpl, ddsddt, drplde, drpldt, *dtime, *ntens, *nstatv, props, *nprops, \
-       pnewdt, dfgrd1)
+#define MYOGROWTH_UMAT_CALL                                                                              \
+  update_state(stress, statev, ddsdde, sse, rpl, ddsddt, drplde, drpldt, *dtime, *ntens, *nstatv, props, \
+               *nprops, pnewdt, dfgrd1)
 
 extern "C" {
 /// What Abaqus and its kin call.
-void umat_(MYOGROWTH_UMAT_ARGUMENTS) { MYOGROWTH_UMAT_CALL; }
+void MYOGROWTH_FORTRAN(umat, UMAT)(MYOGROWTH_UMAT_ARGUMENTS) { MYOGROWTH_UMAT_CALL; }
 /// The same routine under a name of its own, for a user's UMAT that dispatches between materials.
-void myogrowth_umat_(MYOGROWTH_UMAT_ARGUMENTS) { MYOGROWTH_UMAT_CALL; }
+void MYOGROWTH_FORTRAN(myogrowth_umat, MYOGROWTH_UMAT)(MYOGROWTH_UMAT_ARGUMENTS) { MYOGROWTH_UMAT_CALL; }
+#if defined(MYOGROWTH_SINGLE_FILE) && !defined(MYOGROWTH_INSIDE_ABAQUS)
+/// For hosts that look for the name without an underscore, as Abaqus 2024 does in C++ sources.
+void umat(MYOGROWTH_UMAT_ARGUMENTS) { MYOGROWTH_UMAT_CALL; }
+#endif
 }

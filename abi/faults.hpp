@@ -1,0 +1,128 @@
+/// @file
+/// What can be wrong with the arguments of a host, found and told in the same words by every routine.
+#ifndef MYOGROWTH_ABI_FAULTS_HPP
+#define MYOGROWTH_ABI_FAULTS_HPP
+
+#include <cstdarg>
+#include <cstddef>
+#include <cstdio>
+#include <limits>
+
+#include "properties.hpp"
+
+namespace myogrowth {
+namespace abi {
+
+/// One line that names an entry, its value and what is allowed. No % in it: Abaqus would look for an
+/// argument.
+using Text = char[400];
+
+#if defined(__GNUC__)
+#define MYOGROWTH_LIKE_PRINTF __attribute__((format(printf, 2, 3)))  // the compiler checks the arguments
+#else
+#define MYOGROWTH_LIKE_PRINTF
+#endif
+
+/// Formats like printf, cut to the room there is. Always true: "there is a fault".
+MYOGROWTH_LIKE_PRINTF inline bool tell(Text& text, const char* format, ...) {
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return true;
+}
+
+/// Reads PROPS(1:nprops), float or double. True, and the text, if entries are missing or one is not allowed.
+template <class R>
+bool find_props_fault(const R* props, int nprops, Properties& properties, Text& text) {
+  constexpr int digits = std::numeric_limits<R>::digits10 < 9 ? std::numeric_limits<R>::digits10 : 9;
+  if (nprops < n_props_required) {
+    return tell(text,
+                "NPROPS = %d: at least %d constants are needed: c1, c2, tau, gamma, G_max, lambda_crit.",
+                nprops, n_props_required);
+  }
+  const int n = nprops < n_props ? nprops : n_props;
+  double known[n_props];
+  for (int i = 0; i < n; ++i) known[i] = static_cast<double>(props[i]);
+  const int bad = read(known, n, properties);
+  if (bad >= 0) {
+    const Property& p = property(bad);
+    return tell(text, "PROPS(%d) = %.*g: %s, %s, must be finite and %s.", bad + 1, digits, known[bad],
+                p.symbol, p.meaning, abi::text(p.allowed));
+  }
+  for (int i = n_props; i < nprops; ++i) {
+    if (props[i] != 0) {
+      return tell(text, "PROPS(%d) = %.*g: this version knows %d constants; further ones must be 0.", i + 1,
+                  digits, static_cast<double>(props[i]), n_props);
+    }
+  }
+  return false;
+}
+
+/// True, and the text, if there is no room for G. `name` is what the host calls the number of state
+/// variables.
+inline bool find_room_fault(const char* name, int nstatev, Text& text) {
+  if (nstatev >= n_statev_required) return false;
+  return tell(text, "%s = %d: at least %d is needed, to remember G (*DEPVAR; %d keeps all).", name, nstatev,
+              n_statev_required, n_statev);
+}
+
+/// Whether STATEV has room for the fibre, which is kept whole or not at all.
+inline bool keeps_fibre(int nstatev) { return nstatev >= fibre_entry + 3; }
+
+/// Checks STATEV(1:nstatev), nstatev >= n_statev_required, of one point on entry, and takes the fibre from it
+/// if it has one; n0 comes in as PROPS says it. True, and the text, if G or the fibre is not allowed.
+inline bool find_state_fault(const double* statev, int nstatev, double (&n0)[3], Text& text) {
+  if (!is_finite(statev[0]) || statev[0] < 0) {
+    return tell(
+        text,
+        "STATEV(1) = %.9g on entry: G, the sarcomere number, must be > 0, or 0 where nothing is known yet.",
+        statev[0]);
+  }
+  if (keeps_fibre(nstatev)) {
+    const double* fibre = statev + fibre_entry;
+    for (int i = 0; i < 3; ++i) {
+      if (!is_finite(fibre[i])) {
+        return tell(text, "STATEV(%d) = %.9g on entry: the fibre direction must be finite.",
+                    fibre_entry + i + 1, fibre[i]);
+      }
+    }
+    const bool given = fibre[0] != 0 || fibre[1] != 0 || fibre[2] != 0;
+    for (int i = 0; i < 3 && given; ++i) n0[i] = fibre[i];
+  }
+  if (n0[0] == 0 && n0[1] == 0 && n0[2] == 0) {
+    return tell(
+        text,
+        "PROPS(7:9) = 0, 0, 0: n0, the fibre direction, must have a length > 0 (or give it in STATEV(6:8)).");
+  }
+  return false;
+}
+
+extern "C" {
+/// Abaqus's STDB_ABQERR and XPLB_ABQERR. The texts here refer to none of the numbers, whose type varies.
+using HostMessage = void(const int* lop, const char* text, const int* ints, const void* reals,
+                         const char* chars, std::size_t text_length, std::size_t chars_length);
+/// Abaqus's XIT and XPLB_EXIT.
+using HostExit = void();
+}
+
+/// Says that `routine` (UMAT, ...) has found a fault: as an error through the host's utilities and its exit,
+/// as far as the host has them (null where not), else on standard error.
+inline void report(const char* routine, const char* text, HostMessage* message, HostExit* exit) {
+  const int error = -2, no_int = 0;
+  const double no_real = 0;
+  char line[512];
+  const int written = std::snprintf(line, sizeof line, "myogrowth %s: %s", routine, text);
+  const int length = written < static_cast<int>(sizeof line) ? written : static_cast<int>(sizeof line) - 1;
+  if (message) {
+    message(&error, line, &no_int, &no_real, "        ", static_cast<std::size_t>(length), 8);
+  } else {
+    std::fprintf(stderr, "%s\n", line);
+  }
+  if (exit) exit();
+}
+
+}  // namespace abi
+}  // namespace myogrowth
+
+#endif
