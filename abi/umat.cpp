@@ -9,29 +9,9 @@
 #include <myogrowth/stress_states.hpp>
 
 #include "faults.hpp"
+#include "fortran_name.hpp"
 
-// Names as the Fortran compiler writes them. Abaqus has a macro for that, FOR_NAME in omi_for_c.h, which took
-// one argument before Abaqus 2019: there, define MYOGROWTH_ABAQUS_BEFORE_2019.
-#if defined(__has_include)
-#if __has_include(<omi_for_c.h>)
-#include <omi_for_c.h>
-#define MYOGROWTH_INSIDE_ABAQUS
-#endif
-#endif
-#if !defined(MYOGROWTH_INSIDE_ABAQUS)
-#define MYOGROWTH_FORTRAN(lower, UPPER) lower##_
-#elif defined(MYOGROWTH_ABAQUS_BEFORE_2019)
-#define MYOGROWTH_FORTRAN(lower, UPPER) FOR_NAME(lower)
-#else
-#define MYOGROWTH_FORTRAN(lower, UPPER) FOR_NAME(lower, UPPER)
-#endif
-
-// Abaqus's message and exit utilities. No other host has them, so elsewhere they are looked for, not linked.
-#if defined(MYOGROWTH_INSIDE_ABAQUS)
-#define MYOGROWTH_IF_THERE
-#else
-#define MYOGROWTH_IF_THERE __attribute__((weak))
-#endif
+// Abaqus's message and exit utilities.
 extern "C" {
 MYOGROWTH_IF_THERE myogrowth::abi::HostMessage MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR);
 MYOGROWTH_IF_THERE myogrowth::abi::HostExit MYOGROWTH_FORTRAN(xit, XIT);
@@ -107,9 +87,18 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   const int component[6] = {0, 1, plane_stress_state ? 3 : 2, 3, 4, 5};  // of the law, for each of the host's
   const int modulus_size = plane_stress_state ? 3 : 6;
   const double per_J = 1 / u.J;
+  double overflow = 0;  // stays 0 as long as all is finite
   for (int j = 0; j < ntens; ++j) {
     stress[j] = u.tau[component[j]] * per_J;
-    for (int i = 0; i < ntens; ++i) ddsdde[i + ntens * j] = c[i + modulus_size * j] * per_J;
+    overflow += 0 * stress[j];
+    for (int i = 0; i < ntens; ++i) {
+      ddsdde[i + ntens * j] = c[i + modulus_size * j] * per_J;
+      overflow += 0 * ddsdde[i + ntens * j];
+    }
+  }
+  if (overflow != 0) {
+    refuse(stress, ddsdde, ntens, *pnewdt);
+    return;
   }
   *sse = u.psi;
   const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};

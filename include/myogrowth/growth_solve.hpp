@@ -111,12 +111,26 @@ V root_of_quadratic(const BracketedEquation<V>& eq) {
   return b > 0 ? 2 * c / (b + root) : (root - b) / (2 * eq.E);
 }
 
+/// Halves [G, end], which holds the root, down to rounding: for parameters so far out (gamma in the hundreds)
+/// that Newton's method would take its time.
+template <class V>
+V bisect(const BracketedEquation<V>& eq, V G, V end, int& iterations) {
+  for (;;) {
+    ++iterations;
+    const V middle = end > 4 * G ? sqrt(G) * sqrt(end) : G + (end - G) / 2;
+    if (!(middle > G && middle < end)) return G;
+    const bool is_left = eq.k(middle) * eq.q(eq.lambda, middle) > eq.E * middle * (middle - eq.G_n);
+    (is_left ? G : end) = middle;
+  }
+}
+
 /// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, either monotone from the left. A Newton
 /// step in k is one in G with the room left, room^gamma being proportional to k, shortened by its own factor.
 template <class V>
 V newton(const BracketedEquation<V>& eq, V G, int& iterations) {
+  constexpr int patience = 64;  // three times what gamma = 20 takes
   const V per_room = 1 / eq.room_n;
-  for (;;) {
+  while (iterations < patience) {
     ++iterations;
     const V room = eq.G_max - G;
     const V x = room * per_room;
@@ -131,6 +145,7 @@ V newton(const BracketedEquation<V>& eq, V G, int& iterations) {
     if (is_last_step(step, next, room, eq.gamma)) return next;
     G = next;
   }
+  return bisect(eq, G, eq.end, iterations);
 }
 
 template <class V>

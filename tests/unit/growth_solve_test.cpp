@@ -110,6 +110,20 @@ TEST(GrowthSolve, DerivativesWithRespectToEverything) {
   }
 }
 
+TEST(GrowthSolve, NoGammaTakesMoreThanABoundedNumberOfIterations) {
+  samples::Random r(12);
+  for (double gamma : {50.0, 100.0, 1e3, 1e6, 1e9, 1e15, 1e300}) {
+    for (int i = 0; i < 300; ++i) {
+      const GrowthRate<> rate{0.5, gamma, 1 + r.log_uniform(1e-6, 1e300), r.log_uniform(1e-3, 1e3)};
+      const double lambda = rate.lambda_crit * r.log_uniform(1.0001, 1e10);
+      const auto s = solve_growth(rate, 1.0, lambda, r.log_uniform(1e-12, 1e300));
+      EXPECT_LE(s.iterations, 160);
+      EXPECT_TRUE(s.G >= 1 && s.G <= std::min(rate.G_max, lambda / rate.lambda_crit));
+      EXPECT_TRUE(std::isfinite(s.dG_dlambda));
+    }
+  }
+}
+
 TEST(GrowthSolve, SinglePrecision) {
   const GrowthRate<float> rate{0.5f, 2.f, 1.1f, 1.01f};
   EXPECT_NEAR(solve_growth(rate, 1.f, 1.1f, 0.5f).G, 1.02931485f, 2e-7f);

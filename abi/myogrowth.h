@@ -1,0 +1,127 @@
+/// @file
+/// myogrowth for C, and for all that can call C: stretch-driven muscle growth at a material point.
+///
+///     double props[] = {16, 4, 0.5, 2, 1.1, 1.01};            // the paper's Table 1: kPa, days
+///     double state[9] = {0};                                  // 0: not known yet
+///     double F[9] = {1.1, 0, 0, 0, 1, 0, 0, 0, 1}, P[9], dP_dF[81];
+///     char why[200];
+///     if (myogrowth_update(props, 6, F, state, state, 9, 0.1, MYOGROWTH_FIRST_PIOLA, P, dP_dF, NULL,
+///                          why, sizeof why) != MYOGROWTH_OK)
+///       fprintf(stderr, "%s\n", why);
+///
+/// Parameters and state are those of the UMAT, PROPS and STATEV, with the meaning that docs/manual.md gives
+/// them; the functions over an index below are the same tables. Indices count from 0; texts name an entry as
+/// the manual does, from 1, e.g. PROPS(5). Units are the caller's, one for stress and one for time.
+///
+/// Arrays are plain doubles. Second-order tensors that need not be symmetric are 9, COLUMN BY COLUMN:
+///
+///     F = {F11, F21, F31, F12, F22, F32, F13, F23, F33}
+///
+/// (a row-major array, as C and NumPy would write F[i][j], is the transpose: turn it round first). Symmetric
+/// ones are 6, in the order 11 22 33 12 13 23. Tangents are column-major too: entry row + n column.
+///
+/// All functions may be called from several threads at once; none allocates, prints, or remembers anything.
+/// Output arrays must not overlap one another or the input, but for state_out, which may be state_in.
+#ifndef MYOGROWTH_H
+#define MYOGROWTH_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// What became of a call.
+enum myogrowth_status {
+  MYOGROWTH_OK = 0,
+  MYOGROWTH_NOT_FINITE = 1,     ///< NaN or infinity in F or dt, or a result beyond the range of double
+  MYOGROWTH_INVERTED = 2,       ///< det F <= 0: take a smaller step
+  MYOGROWTH_NO_FIBRE = 3,       ///< the fibre direction is zero in props, and not in the state either
+  MYOGROWTH_BAD_STATE = 4,      ///< G < 0, or G or the fibre in the state is not finite
+  MYOGROWTH_BAD_PARAMETER = 5,  ///< an entry of props is missing or not allowed
+  MYOGROWTH_BAD_ARGUMENT = 6    ///< a needed pointer is NULL; an unknown measure; no room for the state
+};
+
+/// The measures of stress and tangent, and their sizes.
+enum myogrowth_measure {
+  MYOGROWTH_CAUCHY = 0,       ///< sigma[6]; [36]: Abaqus's DDSDDE, (1/J) d(J sigma) under the Jaumann rate
+  MYOGROWTH_FIRST_PIOLA = 1,  ///< P[9]; [81]: dP_iJ/dF_kL at (i + 3J) + 9 (k + 3L), counted from 0
+  MYOGROWTH_SECOND_PIOLA = 2  ///< S[6]; [36]: dS/dE, columns belong to engineering shears 2E
+};
+
+/// A few words on a status; never NULL.
+const char* myogrowth_status_text(int status);
+/// Numbers in the stress of a measure: 6, 9 or 6; 0 for an unknown one. The tangent has the square of it.
+int myogrowth_stress_size(int measure);
+
+/// The version of the library, three numbers and "major.minor.patch".
+void myogrowth_version(int* major, int* minor, int* patch);
+const char* myogrowth_version_text(void);
+
+/// Entries of props that mean something, and how many of them, the first ones, have no default.
+int myogrowth_n_props(void);
+int myogrowth_n_props_required(void);
+/// Symbol, unit ("stress", "time", "-"), meaning and allowed range, in words, of entry i; NULL if there is
+/// none.
+const char* myogrowth_prop_symbol(int i);
+const char* myogrowth_prop_unit(int i);
+const char* myogrowth_prop_meaning(int i);
+const char* myogrowth_prop_allowed(int i);
+/// What entry i is taken as when props ends before it; NaN if it is required or there is none.
+double myogrowth_prop_default(int i);
+/// Index of the entry of that symbol; -1 if there is none.
+int myogrowth_prop_index(const char* symbol);
+
+/// Entries of the state, and the least that must be kept: G, the first.
+int myogrowth_n_state(void);
+int myogrowth_n_state_required(void);
+/// Symbol, unit and meaning of entry i; NULL if there is none.
+const char* myogrowth_state_symbol(int i);
+const char* myogrowth_state_unit(int i);
+const char* myogrowth_state_meaning(int i);
+/// Entry i of a point at rest: 1 for G and the ratios, 0 for the fibre, which means "that of props"; NaN if
+/// there is none. A state of zeros does as well.
+double myogrowth_state_initial(int i);
+/// Index of the entry of that symbol; -1 if there is none.
+int myogrowth_state_index(const char* symbol);
+
+/// Checks props[n_props]. Returns MYOGROWTH_OK, _BAD_PARAMETER, or _BAD_ARGUMENT if props is NULL.
+/// message[message_length], as everywhere below: NULL, or gets a text that ends in 0 and is cut to the room
+/// there is; it names the entry, its value and what is allowed, and is empty if all is well.
+/// A fibre direction of zero passes: it may yet come with the state.
+int myogrowth_check(const double* props, int n_props, char* message, int message_length);
+
+/// One step of length dt [time] to the deformation gradient F at its end; dt <= 0: nothing grows.
+///
+/// state_in[n_state]: the state at the beginning of the step; G = 0 there is taken as 1, and a fibre that is
+/// not zero overrides that of props. state_out[n_state]: the state at the end, and may be state_in. Of the
+/// state's entries what fits is kept, the fibre whole or not at all; others are carried over as they are.
+/// stress, tangent: in the measure asked for [stress]; the tangent is that of this discrete step, growth
+/// included, and unsymmetric where the muscle grows. energy: psi per unit reference volume [stress].
+/// tangent, energy and message may be NULL, and are not made then.
+///
+/// The entry `frame` of props, for hosts with a basis that turns with the material, goes with
+/// MYOGROWTH_CAUCHY alone.
+///
+/// Returns a myogrowth_status. On failure state_out is not touched, and stress, tangent and energy become
+/// NaN, so that no host can go on unawares (unless the measure is unknown, and so their size).
+int myogrowth_update(const double* props, int n_props, const double F[9], const double* state_in,
+                     double* state_out, int n_state, double dt, int measure, double* stress, double* tangent,
+                     double* energy, char* message, int message_length);
+
+/// myogrowth_update for n_points points of one material and one dt; point by point the same bits.
+///
+/// The arrays hold one point after the other: F n_points x 9, state_in and state_out n_points x n_state,
+/// stress and tangent n_points x their size, energy n_points. status[n_points], or NULL: the
+/// myogrowth_status of every point. Points that fail do not hold up the others.
+///
+/// Returns the number of points that failed: all of them if it is props or an argument that is wrong. The
+/// message is about the first. n_points <= 0: nothing is done.
+int myogrowth_update_n(int n_points, const double* props, int n_props, const double* F,
+                       const double* state_in, double* state_out, int n_state, double dt, int measure,
+                       double* stress, double* tangent, double* energy, int* status, char* message,
+                       int message_length);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
