@@ -66,6 +66,18 @@ struct GrowthRate {
   }
 };
 
+/// Removal of sarcomeres under a lower threshold, an extension of eq. 4 (docs/theory.md); off while
+/// removal_time = 0.
+///
+///   dG/dt = -k_rev(G) <lambda_rev - lambda_e>,   k_rev = (1/tau_rev) [(G - G_min)/(G_max - G_min)]^gamma_rev
+template <class P = double>
+struct RemovalRate {
+  P removal_time = P(0);  ///< tau_rev > 0: time constant of removal [time]; 0: nothing is removed
+  P gamma = P(2);         ///< gamma_rev >= 0: how sharply removal fades as G nears G_min [-]
+  P G_min = P(0.5);       ///< 0 < G_min < 1: smallest relative serial sarcomere number [-]
+  P lambda_crit = P(1);   ///< 0 < lambda_rev <= lambda_crit: elastic stretch below which they are removed [-]
+};
+
 }  // namespace myogrowth
 
 #endif

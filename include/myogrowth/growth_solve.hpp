@@ -8,6 +8,8 @@
 /// positive and decreasing there, so that R' >= 1. For gamma >= 1, R is concave and Newton's method climbs to
 /// the root from the left without ever passing it; for 0 < gamma < 1 the same holds in the variable k_g, from
 /// the other side; for gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
+///
+/// Removal is the mirror image, from G_n down to max(G_min, lambda/lambda_rev); the code has both, by a sign.
 #ifndef MYOGROWTH_GROWTH_SOLVE_HPP
 #define MYOGROWTH_GROWTH_SOLVE_HPP
 
@@ -27,50 +29,75 @@ struct GrowthStep {
 
 namespace detail {
 
-/// The step's equation without fractions, E G (G - G_n) = k(G) q(G), scaled by the growth number
-/// a = dt k_g(G_n) so that nothing overflows for any dt: (A, E) = (a, 1) for a <= 1 and (1, 1/a) beyond.
+/// The step's equation without fractions, E sign G (G - G_n) = k(G) q(G), q = sign (lambda - crit G), for
+/// growth (sign = 1) and removal (-1). It is scaled by the growth number a = dt k_g(G_n) so that nothing
+/// overflows for any dt: (A, E) = (a, 1) for a <= 1 and (1, 1/a) beyond.
 template <class P>
 struct GrowthEquation {
-  P G_max, gamma, lambda_crit;
+  Real<P> sign;          ///< 1 or -1
+  P limit, gamma, crit;  ///< G_max or G_min, and the exponent and threshold that go with it
   P A, E;
-  Real<P> room_n;  ///< G_max - G_n, the unit in which what is left to grow is measured
+  Real<P> room_n;  ///< sign (limit - G_n), the unit in which what is left of the way is measured
 
-  GrowthEquation(const GrowthRate<P>& rate, const P& dt, Real<P> G_n)
-      : G_max(rate.G_max),
-        gamma(rate.gamma),
-        lambda_crit(rate.lambda_crit),
-        A(1),
-        E(1),
-        room_n(value(rate.G_max) - G_n) {
-    const P a = dt / rate.growth_time * power(P(room_n / (rate.G_max - P(1))), rate.gamma);
-    (value(a) > 1 ? E : A) = value(a) > 1 ? P(P(1) / a) : a;
-  }
+  GrowthEquation(const GrowthRate<P>& growth, const P& dt, Real<P> G_n)
+      : GrowthEquation(1, growth.G_max, growth.gamma, growth.lambda_crit, growth.G_max - P(1),
+                       dt / growth.growth_time, G_n) {}
+  GrowthEquation(const GrowthRate<P>& growth, const RemovalRate<P>& removal, const P& dt, Real<P> G_n)
+      : GrowthEquation(-1, removal.G_min, removal.gamma, removal.lambda_crit, growth.G_max - removal.G_min,
+                       dt / removal.removal_time, G_n) {}
 
   template <class T>
+  T room(const T& G) const {
+    return sign > 0 ? T(limit - G) : T(G - limit);
+  }
+  template <class T>
   T k(const T& G) const {
-    return A * power(T((G_max - G) / room_n), gamma);
+    return A * power(T(room(G) / room_n), gamma);
   }
   template <class T>
   T q(const T& lambda, const T& G) const {
-    return lambda - lambda_crit * G;
+    return sign > 0 ? T(lambda - crit * G) : T(crit * G - lambda);
   }
-  /// Derivative of E G (G - G_n) - k q at the root. As k q = E G (G - G_n) there, nothing cancels in it.
+  /// E sign G (G - G_n): what has been done of the way.
+  template <class T>
+  T done(const T& G, const T& G_n) const {
+    return sign > 0 ? T(E * G * (G - G_n)) : T(E * G * (G_n - G));
+  }
+  /// sign times the derivative of done - k q at the root. As k q = done there, nothing cancels in it.
   template <class T>
   T slope(const T& G, const T& G_n, const T& k) const {
-    const T grown = E * (G - G_n);
-    return grown + E * G + gamma * grown * G / (G_max - G) + k * lambda_crit;
+    return E * (G + G - G_n) + gamma * done(G, G_n) / room(G) + k * crit;
+  }
+
+ private:
+  GrowthEquation(Real<P> sign_, const P& limit_, const P& gamma_, const P& crit_, const P& width,
+                 const P& steps, Real<P> G_n)
+      : sign(sign_),
+        limit(limit_),
+        gamma(gamma_),
+        crit(crit_),
+        A(1),
+        E(1),
+        room_n(sign_ > 0 ? value(limit_) - G_n : G_n - value(limit_)) {
+    const P a = steps * power(P(room_n / width), gamma);
+    (value(a) > 1 ? E : A) = value(a) > 1 ? P(P(1) / a) : a;
   }
 };
 
-/// The same equation on plain numbers, with the bracket of its root.
+/// The same equation on plain numbers, with the bracket of its root, from G_n to end.
 template <class V>
 struct BracketedEquation : GrowthEquation<V> {
   V lambda, G_n, end;
 
-  BracketedEquation(const GrowthRate<V>& rate, V dt, V G_n_, V lambda_)
-      : GrowthEquation<V>(rate, dt, G_n_), lambda(lambda_), G_n(G_n_), end(lambda_ / rate.lambda_crit) {
-    if (!(end < rate.G_max)) end = rate.G_max;
+  BracketedEquation(const GrowthEquation<V>& equation, V G_n_, V lambda_)
+      : GrowthEquation<V>(equation), lambda(lambda_), G_n(G_n_), end(lambda_ / equation.crit) {
+    if (!before(end, this->limit)) end = this->limit;
   }
+
+  /// Whether x comes before y on the way from G_n to end.
+  bool before(V x, V y) const { return this->sign > 0 ? x < y : x > y; }
+  /// k q - done: positive before the root.
+  V to_do(V G) const { return this->k(G) * this->q(lambda, G) - this->done(G, G_n); }
 };
 
 /// Whether rounding is all that is left after this step. Newton's method leaves step^2 R''/(2 R'), and R''/R'
@@ -82,67 +109,76 @@ bool is_last_step(V step, V G, V room, V gamma) {
   return step <= of_G * G && step * (1 + gamma) <= 2 * of_room * room;
 }
 
-/// A lower bound of the root that is far better than G_n when the step is long. At the root k q is at most
+/// A start before the root that is far better than G_n when the step is long. At the root k q is at most
 /// `bound`, which limits the distance u from the end of the bracket in three ways: by what is left of q or of
 /// k at the end itself, and by their product.
 template <class V>
 V long_step_start(const BracketedEquation<V>& eq) {
-  const V bound = eq.E * eq.end * (eq.end - eq.G_n) / eq.A;
+  const V way = eq.sign * (eq.end - eq.G_n);
+  const V bound = eq.E * (eq.sign > 0 ? eq.end : eq.G_n) * way / eq.A;
   const V q_end = eq.q(eq.lambda, eq.end);
   const V k_end = eq.k(eq.end) / eq.A;
-  V u = eq.end - eq.G_n;
+  V u = way;
   const auto tighten = [&u](V candidate) {
     if (candidate < u) u = candidate;
   };
   if (q_end > 0) tighten(eq.room_n * pow(bound / q_end, 1 / eq.gamma));
-  if (k_end > 0) tighten(bound / (eq.lambda_crit * k_end));
-  tighten(eq.room_n * pow(bound / (eq.lambda_crit * eq.room_n), 1 / (eq.gamma + 1)));
-  // A hair more keeps it a lower bound in spite of rounding.
-  const V start = eq.end - u * (1 + 64 * std::numeric_limits<V>::epsilon());
-  return start > eq.G_n ? start : eq.G_n;
+  if (k_end > 0) tighten(bound / (eq.crit * k_end));
+  tighten(eq.room_n * pow(bound / (eq.crit * eq.room_n), 1 / (eq.gamma + 1)));
+  // A hair more keeps it before the root in spite of rounding.
+  const V start = eq.end - eq.sign * u * (1 + 64 * std::numeric_limits<V>::epsilon());
+  return eq.before(eq.G_n, start) ? start : eq.G_n;
 }
 
-/// gamma = 0: the equation is quadratic in G.
+/// gamma = 0: the equation is quadratic in G, and the same for either sign.
 template <class V>
 V root_of_quadratic(const BracketedEquation<V>& eq) {
-  const V b = eq.A * eq.lambda_crit - eq.E * eq.G_n;
+  const V b = eq.A * eq.crit - eq.E * eq.G_n;
   const V c = eq.A * eq.lambda;
   const V root = sqrt(b * b + 4 * eq.E * c);
   return b > 0 ? 2 * c / (b + root) : (root - b) / (2 * eq.E);
 }
 
-/// Halves [G, end], which holds the root, down to rounding: for parameters so far out (gamma in the hundreds)
-/// that Newton's method would take its time.
+/// Halves the way from G, before the root, to end, behind it, down to rounding: for parameters so far out
+/// (gamma in the hundreds) that Newton's method would take its time.
 template <class V>
 V bisect(const BracketedEquation<V>& eq, V G, V end, int& iterations) {
   for (;;) {
     ++iterations;
-    const V middle = end > 4 * G ? sqrt(G) * sqrt(end) : G + (end - G) / 2;
-    if (!(middle > G && middle < end)) return G;
-    const bool is_left = eq.k(middle) * eq.q(eq.lambda, middle) > eq.E * middle * (middle - eq.G_n);
-    (is_left ? G : end) = middle;
+    const bool far = end > 4 * G || G > 4 * end;
+    const V middle = far ? sqrt(G) * sqrt(end) : G + (end - G) / 2;
+    if (!(eq.before(G, middle) && eq.before(middle, end))) return G;
+    (eq.to_do(middle) > 0 ? G : end) = middle;
   }
 }
 
-/// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, either monotone from the left. A Newton
-/// step in k is one in G with the room left, room^gamma being proportional to k, shortened by its own factor.
+/// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, monotone from G_n's side. A Newton step in
+/// k is one in G with the room left, room^gamma being proportional to k, shortened by its own factor. (For
+/// removal with 0 < gamma < 1 of more than half of G_n the step may pass the root, and bisection takes over.)
 template <class V>
 V newton(const BracketedEquation<V>& eq, V G, int& iterations) {
   constexpr int patience = 64;  // three times what gamma = 20 takes
   const V per_room = 1 / eq.room_n;
+  V last = G;
   while (iterations < patience) {
     ++iterations;
-    const V room = eq.G_max - G;
+    const V room = eq.room(G);
     const V x = room * per_room;
     const V k_over_x = eq.A * power(x, eq.gamma - 1);
     const V k = k_over_x * x, minus_dk = eq.gamma * k_over_x * per_room, q = eq.q(eq.lambda, G);
-    const V EG = eq.E * G;
-    V step = G * (k * q - EG * (G - eq.G_n)) / (EG * G + G * minus_dk * q + k * eq.lambda);
+    const V to_do = k * q - eq.done(G, eq.G_n);
+    // Growth has a concave R, the equation over G; removal a convex equation as it stands.
+    const V slope = eq.E * (G + G - eq.G_n) + minus_dk * q + k * eq.crit + (eq.sign > 0 ? to_do / G : V(0));
+    V step = to_do / slope;
     if (eq.gamma < 1) step = -room * expm1(log1p(-eq.gamma * step / room) / eq.gamma);
-    const V next = G + step;
-    if (!(next > G)) return G;  // at rounding level
-    if (!(next < eq.end)) return eq.end;
+    const V next = G + eq.sign * step;
+    if (!eq.before(G, next)) {
+      const bool passed = -step > 16 * std::numeric_limits<V>::epsilon() * G && eq.before(last, G);
+      return passed ? bisect(eq, last, G, iterations) : G;  // else at rounding level
+    }
+    if (!eq.before(next, eq.end)) return eq.sign > 0 ? eq.end : bisect(eq, G, eq.end, iterations);
     if (is_last_step(step, next, room, eq.gamma)) return next;
+    last = G;
     G = next;
   }
   return bisect(eq, G, eq.end, iterations);
@@ -150,12 +186,12 @@ V newton(const BracketedEquation<V>& eq, V G, int& iterations) {
 
 template <class V>
 V growth_root(const BracketedEquation<V>& eq, int& iterations) {
-  if (!(eq.gamma > std::numeric_limits<V>::epsilon())) {  // k_g is constant to rounding
+  if (!(eq.gamma > std::numeric_limits<V>::epsilon())) {  // k is constant to rounding
     iterations = 1;
     return root_of_quadratic(eq);
   }
   // If an explicit step would leave the bracket, Newton from G_n would crawl: k falls by e a step.
-  const bool is_long = eq.A * eq.q(eq.lambda, eq.G_n) > eq.E * eq.G_n * (eq.end - eq.G_n);
+  const bool is_long = eq.A * eq.q(eq.lambda, eq.G_n) > eq.E * eq.G_n * eq.sign * (eq.end - eq.G_n);
   const V start = is_long ? long_step_start(eq) : eq.G_n;
   return newton(eq, start, iterations);
 }
@@ -166,7 +202,8 @@ template <class T, class P, class V>
 T with_derivatives(const GrowthEquation<P>& eq, const T& G_n, const T& lambda, V G_end, std::false_type) {
   const T G(G_end);
   const T k = eq.k(G);
-  return G - (eq.E * G * (G - G_n) - k * eq.q(lambda, G)) / eq.slope(G, G_n, k);
+  const T correction = (eq.done(G, G_n) - k * eq.q(lambda, G)) / eq.slope(G, G_n, k);
+  return eq.sign > 0 ? T(G - correction) : T(G + correction);
 }
 
 template <class T, class P>
@@ -174,36 +211,67 @@ T with_derivatives(const GrowthEquation<P>&, const T&, const T&, T G_end, std::t
   return G_end;  // a plain number carries none
 }
 
-}  // namespace detail
+/// The parameters' values.
+template <class P>
+GrowthRate<Real<P>> values(const GrowthRate<P>& r) {
+  return {value(r.growth_time), value(r.gamma), value(r.G_max), value(r.lambda_crit)};
+}
+template <class P>
+RemovalRate<Real<P>> values(const RemovalRate<P>& r) {
+  return {value(r.removal_time), value(r.gamma), value(r.G_min), value(r.lambda_crit)};
+}
 
-/// Solves R(G) = 0 (above) for one step of length dt [time] under the total stretch lambda at its end.
-///
-/// Works for every G_n > 0, lambda > 0 and dt, also infinite. G never leaves the bracket above.
-/// dG/dlambda is the exact derivative of this discrete update, from the implicit function theorem at the
-/// converged G; it lies in [0, 1/lambda_crit], and is 0 at the threshold and at G_max.
+/// The step that either equation makes.
 template <class T, class P>
-GrowthStep<T> solve_growth(const GrowthRate<P>& rate, const T& G_n, const T& lambda,
-                           const std::common_type_t<P>& dt) {
+GrowthStep<T> solve(const GrowthEquation<Real<T>>& plain, const GrowthEquation<P>& lifted, const T& G_n,
+                    const T& lambda) {
   using V = Real<T>;
-  const GrowthRate<V> r{value(rate.growth_time), value(rate.gamma), value(rate.G_max),
-                        value(rate.lambda_crit)};
-  const GrowthStep<T> none{G_n, T(0), 0};
-  const bool grows = value(dt) > 0 && value(lambda) > r.lambda_crit * value(G_n) && value(G_n) < r.G_max;
-  if (!grows) return none;
-  const detail::BracketedEquation<V> eq(r, value(dt), value(G_n), value(lambda));
-  if (!(eq.A > 0)) return none;  // dt k_g(G_n) is below the smallest number
+  const BracketedEquation<V> eq(plain, value(G_n), value(lambda));
+  if (!(eq.A > 0)) return {G_n, T(0), 0};  // dt k is below the smallest number
 
   int iterations = 0;
-  V G = detail::growth_root(eq, iterations);
-  if (!(G > eq.G_n)) G = eq.G_n;
-  if (!(G < eq.end)) G = eq.end;
-  if (!(G < r.G_max)) return {T(rate.G_max), T(0), iterations};  // saturated
+  V G = growth_root(eq, iterations);
+  if (!eq.before(eq.G_n, G)) G = eq.G_n;
+  if (!eq.before(G, eq.end)) G = eq.end;
+  if (!eq.before(G, eq.limit)) return {T(lifted.limit), T(0), iterations};  // saturated
 
-  const detail::GrowthEquation<P> lifted(rate, dt, eq.G_n);
-  const T G_end = detail::with_derivatives(lifted, G_n, lambda, G, std::is_same<T, V>());
+  const T G_end = with_derivatives(lifted, G_n, lambda, G, std::is_same<T, V>());
   const T k = lifted.k(G_end);
   const T slope = lifted.slope(G_end, G_n, k);
   return {G_end, value(slope) > 0 ? T(k / slope) : T(0), iterations};
+}
+
+}  // namespace detail
+
+/// Solves R(G) = 0 (above) for one step of length dt [time] under the total stretch lambda at its end; with
+/// removal as well, if it is on.
+///
+/// Works for every G_n > 0, lambda > 0 and dt, also infinite. G never leaves the bracket above.
+/// dG/dlambda is the exact derivative of this discrete update, from the implicit function theorem at the
+/// converged G; it is 0 at the thresholds, at G_max and at G_min, and for growth lies in [0, 1/lambda_crit].
+template <class T, class P>
+GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const RemovalRate<P>& removal, const T& G_n,
+                           const T& lambda, const std::common_type_t<P>& dt) {
+  using V = Real<T>;
+  const GrowthRate<V> up = detail::values(growth);
+  const V G = value(G_n), stretch = value(lambda);
+  if (value(dt) > 0 && stretch > up.lambda_crit * G && G < up.G_max) {
+    return detail::solve(detail::GrowthEquation<V>(up, value(dt), G),
+                         detail::GrowthEquation<P>(growth, dt, G), G_n, lambda);
+  }
+  const RemovalRate<V> down = detail::values(removal);
+  if (value(dt) > 0 && down.removal_time > 0 && stretch < down.lambda_crit * G && G > down.G_min) {
+    return detail::solve(detail::GrowthEquation<V>(up, down, value(dt), G),
+                         detail::GrowthEquation<P>(growth, removal, dt, G), G_n, lambda);
+  }
+  return {G_n, T(0), 0};
+}
+
+/// The same without removal.
+template <class T, class P>
+GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const T& G_n, const T& lambda,
+                           const std::common_type_t<P>& dt) {
+  return solve_growth(growth, RemovalRate<P>(), G_n, lambda, dt);
 }
 
 }  // namespace myogrowth

@@ -31,9 +31,10 @@ enum class EnergyPer {
 /// Table 1 (kPa, days). P as in GrowthRate.
 template <class P = double>
 struct FibreGrowth {
-  P c1 = P(16);          ///< first Lamé constant, c1 + 2/3 c2 > 0 [stress]
-  P c2 = P(4);           ///< second Lamé constant, > 0 [stress]
-  GrowthRate<P> growth;  ///< eq. 4
+  P c1 = P(16);            ///< first Lamé constant, c1 + 2/3 c2 > 0 [stress]
+  P c2 = P(4);             ///< second Lamé constant, > 0 [stress]
+  GrowthRate<P> growth;    ///< eq. 4
+  RemovalRate<P> removal;  ///< off unless removal.removal_time > 0
   EnergyPer energy = EnergyPer::reference_volume;
 };
 
@@ -140,7 +141,7 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   const T* f = out.f;
   out.lambda = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
 
-  const GrowthStep<T> step = solve_growth(material.growth, G_n, out.lambda, dt);
+  const GrowthStep<T> step = solve_growth(material.growth, material.removal, G_n, out.lambda, dt);
   const T& G = step.G;
   out.G = G;
   out.dG_dlambda = step.dG_dlambda;

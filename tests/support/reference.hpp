@@ -86,6 +86,26 @@ inline Real grow(const myogrowth::GrowthRate<>& rate, const Real& G_n, const Rea
   return (bracket.first + bracket.second) / 2;
 }
 
+/// The same for removal.
+inline Real shrink(const myogrowth::GrowthRate<>& growth, const myogrowth::RemovalRate<>& rate,
+                   const Real& G_n, const Real& lambda, const Real& dt) {
+  const Real tau = rate.removal_time, gamma = rate.gamma, G_max = growth.G_max, G_min = rate.G_min,
+             crit = rate.lambda_crit;
+  if (lambda >= crit * G_n || G_n <= G_min || dt <= 0) return G_n;
+  const auto residual = [&](const Real& G) -> Real {
+    const Real x = (G - G_min) / (G_max - G_min);
+    const Real k = x > 0 ? (gamma == 0 ? Real(1) : Real(pow(x, gamma))) : Real(gamma == 0 ? 1 : 0);
+    return G - G_n + dt / tau * k * (crit - lambda / G);
+  };
+  const Real end = lambda / crit > G_min ? Real(lambda / crit) : G_min;
+  if (residual(end) >= 0) return end;  // only for gamma = 0
+  boost::uintmax_t most = 500;
+  const auto bracket = boost::math::tools::toms748_solve(
+      residual, end, G_n, residual(end), residual(G_n),
+      [](const Real& a, const Real& b) { return b - a <= Real("1e-45"); }, most);
+  return (bracket.first + bracket.second) / 2;
+}
+
 struct Result {
   Real G, lambda_e, J, psi;
   Matrix tau;
@@ -101,6 +121,9 @@ inline Result update(const samples::Point& p, const Matrix& F) {
   lambda = sqrt(Real(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
   Result r;
   r.G = grow(p.muscle.growth, p.state.G, lambda, p.dt);
+  if (p.muscle.removal.removal_time > 0 && r.G == p.state.G) {
+    r.G = shrink(p.muscle.growth, p.muscle.removal, p.state.G, lambda, p.dt);
+  }
   r.lambda_e = lambda / r.G;
   r.J = determinant(F);
   Matrix Fg = identity();

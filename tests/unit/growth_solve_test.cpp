@@ -82,6 +82,49 @@ TEST(GrowthSolve, HardStepsAgainstFiftyDigits) {
   std::printf("worst error: G %.1e, dG/dlambda %.1e\n", worst_G, worst_slope);
 }
 
+// The same for removal: near G_min, near its threshold, where both meet, steps of any length.
+TEST(GrowthSolve, HardRemovalAgainstFiftyDigits) {
+  using reference::Real;
+  samples::Random r(8);
+  const double gammas[] = {0, 0.05, 0.5, 0.9, 1, 1.3, 1.5, 2, 2.5, 3, 4, 5};
+  double worst_G = 0, worst_slope = 0;
+  int removed = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const GrowthRate<> growth{0.5, 2, 1 + r.log_uniform(1e-2, 3), 1.2};
+    const RemovalRate<> rate{0.5, r.pick(gammas), r.uniform(0.1, 0.95), r.uniform(0.8, 1.2)};
+    const double width = growth.G_max - rate.G_min;
+    const double G_n = rate.G_min + width * (r.chance(0.5) ? r.uniform() : r.log_uniform(1e-5, 1));
+    const double lambda =
+        r.chance(0.5) ? rate.lambda_crit * G_n * (1 - r.log_uniform(1e-6, 0.9))
+                      : rate.lambda_crit * rate.G_min * (1 + r.uniform(-1, 1) * r.log_uniform(1e-6, 0.1));
+    if (lambda >= rate.lambda_crit * G_n) continue;
+    const double dt = 0.5 * r.log_uniform(1e-8, 1e8);
+    const auto s = solve_growth(growth, rate, G_n, lambda, dt);
+    const Real h("1e-22"), exact = reference::shrink(growth, rate, G_n, lambda, dt);
+    const Real slope = (reference::shrink(growth, rate, G_n, lambda + h, dt) -
+                        reference::shrink(growth, rate, G_n, lambda - h, dt)) /
+                       (2 * h);
+    removed += s.G < G_n;
+    worst_G = std::max(worst_G, std::abs(static_cast<double>(s.G / exact - 1)));
+    if (dt <= 0.5e4 && (rate.gamma == 0 || rate.gamma >= 0.5)) {
+      worst_slope = std::max(worst_slope, std::abs(static_cast<double>(s.dG_dlambda - slope)));
+    }
+  }
+  EXPECT_GT(removed, 900);
+  EXPECT_LE(worst_G, 4e-15);
+  EXPECT_LE(worst_slope, 1e-8);
+  std::printf("worst error: G %.1e, dG/dlambda %.1e\n", worst_G, worst_slope);
+}
+
+TEST(GrowthSolve, BetweenTheThresholdsNothingHappens) {
+  const RemovalRate<> removal{0.5, 2, 0.8, 0.97};
+  for (double lambda : {0.97, 0.99, 1.01}) EXPECT_EQ(solve_growth(paper, removal, 1.0, lambda, 10.0).G, 1);
+  EXPECT_LT(solve_growth(paper, removal, 1.0, 0.9, 10.0).G, 1);
+  EXPECT_GT(solve_growth(paper, removal, 1.0, 1.1, 10.0).G, 1);
+  EXPECT_EQ(solve_growth(paper, removal, 1.0, 1.1, 10.0).G, solve_growth(paper, 1.0, 1.1, 10.0).G);
+  EXPECT_EQ(solve_growth(paper, 1.0, 0.9, 10.0).G, 1);  // off by default
+}
+
 TEST(GrowthSolve, DerivativesWithRespectToEverything) {
   using dual::Dual;
   samples::Random r(11);
