@@ -75,6 +75,9 @@ int check(const double* props, int n_props, const Point& first, Common& common, 
   }
   if (abi::find_room_fault("n_state", common.n_state, text)) return MYOGROWTH_BAD_ARGUMENT;
   const int status = check_props(props, n_props, common.properties, text);
+  if (status == MYOGROWTH_OK && abi::find_stretch_fault("n_state", common.n_state, common.properties, text)) {
+    return MYOGROWTH_BAD_ARGUMENT;
+  }
   if (status == MYOGROWTH_OK && common.properties.local_basis && common.measure != MYOGROWTH_CAUCHY) {
     abi::tell(text,
               "PROPS(10) = 1: frame must be 0 with a Piola stress, which refers to F itself and not to "
@@ -122,7 +125,8 @@ int update(const Common& common, const Point& p, abi::Text& text) {
   const double* F = turned ? V : p.F;
   const double G_n = p.state_in[0] == 0 ? 1 : p.state_in[0];
   PointUpdate<double> u;
-  Status status = update_point(common.properties.material, F, n0, G_n, common.dt, u);
+  const double lambda_n = abi::stretch_at_start(p.state_in, common.n_state);
+  Status status = update_point(common.properties.material, F, n0, G_n, lambda_n, common.dt, u);
   if (status == Status::ok) {
     convert(common.measure, F, u, p.stress, p.tangent);
     const int n = myogrowth_stress_size(common.measure);

@@ -44,6 +44,12 @@ bool find_props_fault(const R* props, int nprops, Properties& properties, Text& 
   const int n = nprops < n_props ? nprops : n_props;
   double known[n_props];
   for (int i = 0; i < n; ++i) known[i] = static_cast<double>(props[i]);
+  if (n > tau_rev_entry && known[tau_rev_entry] > 0 && n < n_props) {
+    return tell(text,
+                "NPROPS = %d: with PROPS(14) = tau_rev > 0, PROPS(15:17) are needed: gamma_rev, G_min, "
+                "lambda_crit_rev.",
+                nprops);
+  }
   const int bad = read(known, n, properties);
   if (bad >= 0) {
     const Property& p = property(bad);
@@ -65,6 +71,20 @@ inline bool find_room_fault(const char* name, int nstatev, Text& text) {
   if (nstatev >= n_statev_required) return false;
   return tell(text, "%s = %d: at least %d is needed, to remember G (*DEPVAR; %d keeps all).", name, nstatev,
               n_statev_required, n_statev);
+}
+
+/// True, and the text, if the second-order step has no room to remember the stretch it starts from.
+inline bool find_stretch_fault(const char* name, int nstatev, const Properties& properties, Text& text) {
+  if (properties.material.integration == TimeIntegration::backward_euler || nstatev > stretch_entry)
+    return false;
+  return tell(text, "%s = %d: with PROPS(12) = 1 at least %d is needed, to remember lambda.", name, nstatev,
+              stretch_entry + 1);
+}
+
+/// The fibre stretch at the beginning of a step, as STATEV remembers it; 1 where nothing is known yet.
+inline double stretch_at_start(const double* statev, int nstatev) {
+  const bool known = nstatev > stretch_entry && is_finite(statev[stretch_entry]) && statev[stretch_entry] > 0;
+  return known ? statev[stretch_entry] : 1;
 }
 
 /// Whether STATEV has room for the fibre, which is kept whole or not at all.

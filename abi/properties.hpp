@@ -9,7 +9,16 @@ namespace myogrowth {
 namespace abi {
 
 /// What a value must be.
-enum class Allowed { positive, not_negative, above_one, bulk_positive, any, zero_or_one };
+enum class Allowed {
+  positive,
+  not_negative,
+  above_one,
+  bulk_positive,
+  any,
+  zero_or_one,
+  below_one,
+  up_to_lambda_crit
+};
 
 /// One entry of PROPS.
 struct Property {
@@ -26,9 +35,11 @@ struct StateVariable {
   const char* meaning;
 };
 
-constexpr int n_props = 11;           ///< entries that mean something
+constexpr int n_props = 17;           ///< entries that mean something
+constexpr int tau_rev_entry = 13;     ///< index of tau_rev in PROPS: what follows is removal's
 constexpr int n_props_required = 6;   ///< entries that have no default
 constexpr int n_statev = 9;           ///< entries that the UMAT keeps, as far as NSTATV has room
+constexpr int stretch_entry = 2;      ///< index of lambda in STATEV
 constexpr int fibre_entry = 5;        ///< index of the first of the fibre's three in STATEV
 constexpr int thickness_entry = 8;    ///< index of the thickness stretch in STATEV
 constexpr int n_statev_required = 1;  ///< G has to be remembered
@@ -48,6 +59,18 @@ inline const Property& property(int i) {
       {"frame", "-", "0: DFGRD1 is F in fixed axes; 1: local basis, F := sqrt(DFGRD1 DFGRD1^T)", 0,
        Allowed::zero_or_one},
       {"energy", "-", "psi per unit 0: reference volume, 1: grown volume", 0, Allowed::zero_or_one},
+      {"integration", "-", "of eq. 4 in time 0: backward Euler, 1: second order (flow at mid-step stretch)",
+       0, Allowed::zero_or_one},
+      {"tolerance", "-", "of the time error of G in a step, for advice by PNEWDT; 0: no advice", 0,
+       Allowed::not_negative},
+      {"tau_rev", "time", "time constant of removal; 0: nothing is removed, and 15-17 are not used", 0,
+       Allowed::not_negative},
+      {"gamma_rev", "-", "shape exponent of removal; required if tau_rev > 0", 0, Allowed::not_negative},
+      {"G_min", "-", "smallest relative serial sarcomere number; required if tau_rev > 0", 0,
+       Allowed::below_one},
+      {"lambda_crit_rev", "-",
+       "elastic fibre stretch below which sarcomeres are removed; required if tau_rev > 0", 0,
+       Allowed::up_to_lambda_crit},
   };
   return table[i];
 }
@@ -83,12 +106,17 @@ inline const char* text(Allowed allowed) {
       return "finite";
     case Allowed::zero_or_one:
       return "0 or 1";
+    case Allowed::below_one:
+      return "> 0 and < 1";
+    case Allowed::up_to_lambda_crit:
+      return "> 0 and <= lambda_crit";
   }
   return "";
 }
 
-/// Whether `x` is allowed; c2 is the second Lame constant.
-inline bool is_allowed(Allowed allowed, double x, double c2) {
+/// Whether `x` is allowed among the others, all[n_props].
+inline bool is_allowed(Allowed allowed, double x, const double* all) {
+  const double c2 = all[1], lambda_crit = all[5];
   if (!is_finite(x)) return false;
   switch (allowed) {
     case Allowed::positive:
@@ -103,6 +131,10 @@ inline bool is_allowed(Allowed allowed, double x, double c2) {
       return true;
     case Allowed::zero_or_one:
       return x == 0 || x == 1;
+    case Allowed::below_one:
+      return x > 0 && x < 1;
+    case Allowed::up_to_lambda_crit:
+      return x > 0 && x <= lambda_crit;
   }
   return false;
 }
@@ -112,6 +144,7 @@ struct Properties {
   FibreGrowth<double> material;
   double n0[3];
   bool local_basis;
+  double tolerance;  ///< of the time error in G; 0: no advice on the next step
 };
 
 /// Reads PROPS(1:n), n >= n_props_required, with the table's defaults for what is missing. Returns the index
@@ -120,7 +153,8 @@ inline int read(const double* props, int n, Properties& out) {
   double p[n_props];
   for (int i = 0; i < n_props; ++i) p[i] = i < n ? props[i] : property(i).initial;
   for (int i = 0; i < n_props; ++i) {
-    if (!is_allowed(property(i).allowed, p[i], p[1])) return i;
+    const bool unused = i > tau_rev_entry && p[tau_rev_entry] == 0;
+    if (!is_allowed(unused ? Allowed::any : property(i).allowed, p[i], p)) return i;
   }
   for (int i = n_props; i < n; ++i) {
     if (props[i] != 0) return i;
@@ -130,6 +164,9 @@ inline int read(const double* props, int n, Properties& out) {
   out.material.growth = GrowthRate<double>{p[2], p[3], p[4], p[5]};
   for (int i = 0; i < 3; ++i) out.n0[i] = p[6 + i];
   out.local_basis = p[9] != 0;
+  out.material.integration = p[11] != 0 ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
+  out.tolerance = p[12];
+  if (p[tau_rev_entry] > 0) out.material.removal = RemovalRate<double>{p[13], p[14], p[15], p[16]};
   out.material.energy = p[10] != 0 ? EnergyPer::grown_volume : EnergyPer::reference_volume;
   return -1;
 }

@@ -3,6 +3,7 @@
 //
 // Nothing is remembered between calls, nothing throws, and CMNAME (whose hidden length some hosts leave out),
 // NOEL, NPT, COORDS, LAYER and KSPT, which many hosts do not fill, are never read.
+#include <cmath>
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
@@ -32,6 +33,21 @@ void refuse(double* stress, double* ddsdde, int ntens, double& pnewdt) {
   if (!(pnewdt <= cut_back)) pnewdt = cut_back;
 }
 
+// The factor on the time increment at which the time error of G meets its tolerance; without one, no limit.
+// Above 1 it is leave to enlarge: Abaqus takes it where it chooses the increments itself.
+double advised_factor(const abi::Properties& p, double G_n, double lambda_n, double lambda, double dtime) {
+  const double safety = 0.9, least = 0.25, most = 2;
+  if (!(p.tolerance > 0)) return std::numeric_limits<double>::max();
+  const FibreGrowth<double>& m = p.material;
+  const bool first_order = m.integration == TimeIntegration::backward_euler;
+  const double error = first_order
+                           ? time_error_of_backward_euler(m.growth, m.removal, G_n, lambda_n, lambda, dtime)
+                           : time_error_of_midpoint_flow(m.growth, m.removal, G_n, lambda_n, lambda, dtime);
+  // Both errors are of second order in the step.
+  const double factor = safety * std::sqrt(p.tolerance / error);
+  return factor < least ? least : factor < most ? factor : most;
+}
+
 // True, and the text, if the arguments are not as they must be.
 bool find_fault(int ntens, int nstatv, const double* statev, const double* props, int nprops,
                 abi::Properties& properties, abi::Text& text) {
@@ -43,6 +59,7 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
   }
   return abi::find_props_fault(props, nprops, properties, text) ||
          abi::find_room_fault("NSTATV", nstatv, text) ||
+         abi::find_stretch_fault("NSTATV", nstatv, properties, text) ||
          abi::find_state_fault(statev, nstatv, properties.n0, text);
 }
 
@@ -71,12 +88,12 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   if (properties.local_basis) left_stretch(F, F);  // an F that has none is refused below
 
   PointUpdate<double> u;
-  const double G_n = statev[0] == 0 ? 1 : statev[0];
+  const double G_n = statev[0] == 0 ? 1 : statev[0], lambda_n = abi::stretch_at_start(statev, nstatv);
   double c[36], thickness = nstatv > abi::thickness_entry ? statev[abi::thickness_entry] : 0;
   if (plane_stress_state) {
     const double in_plane[4] = {F[0], F[1], F[3], F[4]};
-    plane_stress(properties.material, in_plane, properties.n0, G_n, dtime, thickness, u, c);
-  } else if (update_point(properties.material, F, properties.n0, G_n, dtime, u) == Status::ok) {
+    plane_stress(properties.material, in_plane, properties.n0, G_n, lambda_n, dtime, thickness, u, c);
+  } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) == Status::ok) {
     spatial_modulus(u, c);
   }
   if (u.status != Status::ok) {
@@ -100,6 +117,8 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     refuse(stress, ddsdde, ntens, *pnewdt);
     return;
   }
+  const double advice = advised_factor(properties, G_n, lambda_n, u.lambda, dtime);
+  if (!(*pnewdt <= advice)) *pnewdt = advice;
   *sse = u.psi;
   const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
   for (int i = 0; i < 5 && i < nstatv; ++i) statev[i] = scalars[i];

@@ -92,7 +92,8 @@ bool find_fault(const Block& b, abi::Properties& properties, abi::Text& text) {
                      b.ndir, b.nshr);
   }
   return abi::find_room_fault("NSTATEV", b.nstatev, text) ||
-         abi::find_props_fault(b.props, b.nprops, properties, text);
+         abi::find_props_fault(b.props, b.nprops, properties, text) ||
+         abi::find_stretch_fault("NSTATEV", b.nstatev, properties, text);
 }
 
 // Hooke's law, to which eq. 3 comes down at small strain.
@@ -106,11 +107,12 @@ void linear_elastic(const Block& b, const FibreGrowth<double>& material, int k) 
 }
 
 // Point k of the block from the sarcomere number G_n. False if the step cannot be taken.
-bool update(const Block& b, const FibreGrowth<double>& material, double G_n, const double n0[3], int k) {
+bool update(const Block& b, const FibreGrowth<double>& material, double G_n, double lambda_n,
+            const double n0[3], int k) {
   const double U12 = b.stretch(k, 3), U23 = b.stretch(k, 4), U31 = b.stretch(k, 5);
   const double U[9] = {b.stretch(k, 0), U12, U31, U12, b.stretch(k, 1), U23, U31, U23, b.stretch(k, 2)};
   PointUpdate<double> u;
-  if (update_point(material, U, n0, G_n, b.dt, u) != Status::ok) return false;
+  if (update_point(material, U, n0, G_n, lambda_n, b.dt, u) != Status::ok) return false;
 
   double sigma[6];
   cauchy_from_kirchhoff(u.J, u.tau, sigma);
@@ -151,7 +153,8 @@ void update_block(const Block& b) {
     if (faulty && !reported) report(text);
     reported = reported || faulty;
     const double G_n = state[0] == 0 ? 1 : state[0];
-    if (faulty || !update(b, properties.material, G_n, n0, k)) refuse(b, k);
+    if (faulty || !update(b, properties.material, G_n, abi::stretch_at_start(state, b.nstatev), n0, k))
+      refuse(b, k);
   }
 }
 

@@ -17,7 +17,7 @@
 #ifndef MYOGROWTH_KERNEL_HPP
 #define MYOGROWTH_KERNEL_HPP
 
-#include "growth_solve.hpp"
+#include "growth_flow.hpp"
 
 namespace myogrowth {
 
@@ -25,6 +25,12 @@ namespace myogrowth {
 enum class EnergyPer {
   reference_volume,  ///< the paper's own formulas; the default
   grown_volume       ///< psi and every stress are G times larger
+};
+
+/// How eq. 4 is integrated over a time step.
+enum class TimeIntegration {
+  backward_euler,  ///< first order; the default
+  midpoint_flow    ///< second order: the exact flow at the stretch in the middle of the step
 };
 
 /// The material: neo-Hookean elasticity of the grown muscle, growth along the fibre. Defaults: the paper's
@@ -36,6 +42,7 @@ struct FibreGrowth {
   GrowthRate<P> growth;    ///< eq. 4
   RemovalRate<P> removal;  ///< off unless removal.removal_time > 0
   EnergyPer energy = EnergyPer::reference_volume;
+  TimeIntegration integration = TimeIntegration::backward_euler;
 };
 
 /// What became of an update. Everything but ok leaves the state as it was and the stresses NaN.
@@ -106,13 +113,37 @@ Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
   return status;
 }
 
+/// The time step of eq. 4 that the material asks for, from the stretch lambda_n to lambda.
+template <class T, class P>
+GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T& lambda_n, const T& lambda,
+                   const P& dt, std::true_type) {
+  using V = Real<T>;
+  if (material.integration == TimeIntegration::backward_euler) {
+    return solve_growth(material.growth, material.removal, G_n, lambda, dt);
+  }
+  GrowthStep<T> step = flow_growth(material.growth, material.removal, G_n, T((lambda_n + lambda) / V(2)), dt);
+  step.dG_dlambda = step.dG_dlambda / V(2);
+  return step;
+}
+
+/// The flow does not carry derivatives with respect to parameters: it is not a number for them.
+template <class T, class P>
+GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T&, const T& lambda, const P& dt,
+                   std::false_type) {
+  const bool can = material.integration == TimeIntegration::backward_euler;
+  const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
+  return can ? solve_growth(material.growth, material.removal, G_n, lambda, dt) : GrowthStep<T>{nan, nan, 0};
+}
+
 }  // namespace detail
 
 /// One step of length dt [time] to the deformation gradient F[9], from the sarcomere number G_n, with the
 /// fibre n0[3] of any length > 0. Same input, same output; nothing is remembered. dt <= 0 is an elastic step.
+/// lambda_n: total fibre stretch at the beginning of the step, 1 if nothing has been deformed yet; only the
+/// midpoint flow uses it (with parameters that are plain numbers).
 template <class T, class P>
-Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n, const P& dt,
-                    PointUpdate<T>& out) {
+Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n,
+                    const T& lambda_n, const P& dt, PointUpdate<T>& out) {
   using V = Real<T>;
   if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(Status::not_finite, G_n, out);
   if (!(value(G_n) > 0)) return detail::fail(Status::bad_state, G_n, out);
@@ -141,7 +172,7 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   const T* f = out.f;
   out.lambda = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
 
-  const GrowthStep<T> step = solve_growth(material.growth, material.removal, G_n, out.lambda, dt);
+  const GrowthStep<T> step = detail::grow(material, G_n, lambda_n, out.lambda, dt, std::is_same<P, V>());
   const T& G = step.G;
   out.G = G;
   out.dG_dlambda = step.dG_dlambda;
@@ -179,6 +210,13 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   if (!is_finite(sum) || !is_finite(out.lambda_e)) return detail::fail(Status::not_finite, G_n, out);
   out.status = Status::ok;
   return out.status;
+}
+
+/// The same from the undeformed fibre, or with backward Euler, which does not ask where the step comes from.
+template <class T, class P>
+Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n, const P& dt,
+                    PointUpdate<T>& out) {
+  return update_point(material, F, n0, G_n, T(Real<T>(1)), dt, out);
 }
 
 /// Spatial modulus c[36] of the Jaumann rate of the Kirchhoff stress, J DDSDDE in Abaqus's terms.

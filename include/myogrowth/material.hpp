@@ -20,6 +20,7 @@ namespace myogrowth {
 template <class T = double>
 struct State {
   T G = T(1);                     ///< relative serial sarcomere number [-]
+  T lambda = T(1);                ///< total fibre stretch, for the midpoint flow [-]
   Vec3<T> n0 = Vec3<T>::UnitX();  ///< fibre direction in the reference configuration, any length > 0 [-]
 };
 
@@ -93,8 +94,11 @@ Update<T> update(const FibreGrowth<P>& material, const std::common_type_t<Mat3<T
   Update<T> result;
   result.F = F;
   result.state = state;
-  update_point(material, F.data(), state.n0.data(), state.G, dt, result.point);
-  result.state.G = result.point.G;
+  update_point(material, result.F.data(), state.n0.data(), state.G, state.lambda, P(dt), result.point);
+  if (result.ok()) {
+    result.state.G = result.point.G;
+    result.state.lambda = result.point.lambda;
+  }
   return result;
 }
 

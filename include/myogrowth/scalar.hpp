@@ -16,7 +16,9 @@
 
 namespace myogrowth {
 
+using std::exp;
 using std::expm1;
+using std::log;
 using std::log1p;
 using std::pow;
 using std::sqrt;

@@ -67,15 +67,15 @@ T modulus_entry(const T c[36], int row, int column) {
 /// that F. c[9]: condensed modulus of the Jaumann rate of tau, rows and columns 11 22 12, column-major,
 /// engineering shear.
 template <class T, class P>
-Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3], const T& G_n, const P& dt,
-                    T& thickness, PointUpdate<T>& u, T c[9]) {
+Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3], const T& G_n,
+                    const T& lambda_n, const P& dt, T& thickness, PointUpdate<T>& u, T c[9]) {
   using V = Real<T>;
   const T zero(0);
   T full[36];
   T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
   const Status status = detail::free_stretch(x, [&](const T& F33, T& stress, T& slope) {
     const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
-    const Status made = update_point(material, F3, n0, G_n, dt, u);
+    const Status made = update_point(material, F3, n0, G_n, lambda_n, dt, u);
     spatial_modulus(u, full);
     stress = u.tau[2];
     slope = detail::modulus_entry(full, 2, 2);
@@ -106,15 +106,15 @@ Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3],
 /// lateral) with the fibre along 1, so that the axial force per reference area is u.tau[0]/stretch. slope:
 /// dtau_11/dln(stretch) at free sides, growth included [stress].
 template <class T, class P>
-Status uniaxial_stress(const FibreGrowth<P>& material, const T& stretch, const T& G_n, const P& dt,
-                       T& lateral, PointUpdate<T>& u, T& slope) {
+Status uniaxial_stress(const FibreGrowth<P>& material, const T& stretch, const T& G_n, const T& lambda_n,
+                       const P& dt, T& lateral, PointUpdate<T>& u, T& slope) {
   using V = Real<T>;
   const T zero(0), n0[3] = {T(V(1)), zero, zero};
   T c[36];
   T x = value(lateral) > 0 && is_finite(lateral) ? lateral : T(V(1));
   const Status status = detail::free_stretch(x, [&](const T& side, T& stress, T& dstress) {
     const T F[9] = {stretch, zero, zero, zero, side, zero, zero, zero, side};
-    const Status made = update_point(material, F, n0, G_n, dt, u);
+    const Status made = update_point(material, F, n0, G_n, lambda_n, dt, u);
     spatial_modulus(u, c);
     stress = u.tau[1];
     dstress = detail::modulus_entry(c, 1, 1) + detail::modulus_entry(c, 1, 2);

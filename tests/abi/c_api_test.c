@@ -84,7 +84,7 @@ static void test_tables(void) {
   CHECK(strcmp(version, myogrowth_version_text()) == 0);
   CHECK(major >= 0 && minor >= 0 && patch >= 0);
 
-  CHECK(myogrowth_n_props() == 11);
+  CHECK(myogrowth_n_props() == 17);
   CHECK(myogrowth_n_props_required() == 6);
   for (int i = 0; i < myogrowth_n_props(); ++i) {
     CHECK(strlen(myogrowth_prop_symbol(i)) > 0);
@@ -113,7 +113,7 @@ static void test_tables(void) {
   CHECK(myogrowth_state_index("G") == 0);
   CHECK(myogrowth_state_index("lambda_e") == 1);
 
-  const int outside[] = {-1, 11, 1000, -2147483647 - 1, 2147483647};
+  const int outside[] = {-1, 17, 1000, -2147483647 - 1, 2147483647};
   for (int k = 0; k < 5; ++k) {
     const int i = outside[k];
     CHECK(myogrowth_prop_symbol(i) == NULL && myogrowth_prop_unit(i) == NULL);
@@ -156,7 +156,9 @@ static void test_check(void) {
              {8, INFINITY, "PROPS(9) = inf: n0_3", "fini"},
              {9, 2, "PROPS(10) = 2: frame", "0 or 1"},
              {10, 0.5, "PROPS(11) = 0.5: energy", "0 or 1"},
-             {11, 7, "PROPS(12) = 7", "must be 0"}};
+             {11, 7, "PROPS(12) = 7: integration", "0 or 1"},
+             {13, -1, "PROPS(14) = -1: tau_rev", ">= 0"},
+             {17, 7, "PROPS(18) = 7", "must be 0"}};
   char message[message_length];
   for (int n = 6; n <= 11; ++n) {
     strcpy(message, "old");
@@ -164,15 +166,15 @@ static void test_check(void) {
     CHECK(message[0] == '\0');
   }
   for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
-    double props[12] = {0}, F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, state[n_state] = {0}, stress[9];
+    double props[18] = {0}, F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, state[n_state] = {0}, stress[9];
     memcpy(props, table_1, sizeof table_1);
     props[bad[k].entry] = bad[k].value;
-    CHECK(myogrowth_check(props, 12, message, message_length) == MYOGROWTH_BAD_PARAMETER);
+    CHECK(myogrowth_check(props, 18, message, message_length) == MYOGROWTH_BAD_PARAMETER);
     CHECK_TEXT(message, bad[k].named);
     CHECK_TEXT(message, bad[k].allowed);
-    CHECK(myogrowth_check(props, 12, NULL, 0) == MYOGROWTH_BAD_PARAMETER);
+    CHECK(myogrowth_check(props, 18, NULL, 0) == MYOGROWTH_BAD_PARAMETER);
     char again[message_length];
-    CHECK(myogrowth_update(props, 12, F, state, state, n_state, 0.1, MYOGROWTH_FIRST_PIOLA, stress, NULL,
+    CHECK(myogrowth_update(props, 18, F, state, state, n_state, 0.1, MYOGROWTH_FIRST_PIOLA, stress, NULL,
                            NULL, again, message_length) == MYOGROWTH_BAD_PARAMETER);
     CHECK(strcmp(again, message) == 0);
     CHECK(all_nan(stress, 9) && state[0] == 0);

@@ -80,7 +80,7 @@ TEST(Umat, MissingPropsTakeTheirDefaults) {
   full.F(0, 0) += 0.2;
   const Call expected = Call(full).run();
   EXPECT_GT(expected.statev[0], 1.001);
-  for (std::size_t n = 6; n <= 16; ++n) {
+  for (std::size_t n = 6; n <= 20; ++n) {
     Call c = full;
     c.props.resize(n);  // beyond the table: zeros
     EXPECT_EQ(c.run().stress, expected.stress) << n;
@@ -248,7 +248,49 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"frame", [](Call& c) { c.props[9] = 2; }, {"PROPS(10) = 2", "frame", "0 or 1"}},
         BadInput{"energy", [](Call& c) { c.props[10] = 0.5; }, {"PROPS(11) = 0.5", "energy", "0 or 1"}},
         BadInput{
-            "unknown", [](Call& c) { c.props.push_back(7); }, {"PROPS(12) = 7", "11 constants", "must be 0"}},
+            "integration", [](Call& c) { c.props.push_back(2); }, {"PROPS(12) = 2", "integration", "0 or 1"}},
+        BadInput{"tolerance",
+                 [](Call& c) {
+                   c.props.insert(c.props.end(), {0, -1});
+                 },
+                 {"PROPS(13) = -1", ">= 0"}},
+        BadInput{"tau_rev",
+                 [](Call& c) {
+                   c.props.insert(c.props.end(), {0, 0, -1, 2, 0.5, 1});
+                 },
+                 {"PROPS(14) = -1", "tau_rev", ">= 0"}},
+        BadInput{"removal_missing",
+                 [](Call& c) {
+                   c.props.insert(c.props.end(), {0, 0, 1, 2, 0.5});
+                 },
+                 {"NPROPS = 16", "PROPS(15:17)", "G_min"}},
+        BadInput{"gamma_rev",
+                 [](Call& c) {
+                   c.props.insert(c.props.end(), {0, 0, 1, -2, 0.5, 1});
+                 },
+                 {"PROPS(15) = -2", "gamma_rev", ">= 0"}},
+        BadInput{"G_min",
+                 [](Call& c) {
+                   c.props.insert(c.props.end(), {0, 0, 1, 2, 1, 1});
+                 },
+                 {"PROPS(16) = 1", "G_min", "> 0 and < 1"}},
+        BadInput{"lambda_crit_rev",
+                 [](Call& c) {
+                   c.props.insert(c.props.end(), {0, 0, 1, 2, 0.5, 1.02});
+                 },
+                 {"PROPS(17) = 1.02", "lambda_crit_rev", "<= lambda_crit"}},
+        BadInput{"no_room_for_lambda",
+                 [](Call& c) {
+                   c.props.push_back(1);
+                   c.statev.resize(2);
+                 },
+                 {"NSTATV = 2", "PROPS(12) = 1", "at least 3"}},
+        BadInput{"unknown",
+                 [](Call& c) {
+                   c.props.resize(17);
+                   c.props.push_back(7);
+                 },
+                 {"PROPS(18) = 7", "17 constants", "must be 0"}},
         BadInput{"nprops", [](Call& c) { c.props.resize(5); }, {"NPROPS = 5", "at least 6"}},
         BadInput{"nprops_0", [](Call& c) { c.props.clear(); }, {"NPROPS = 0", "at least 6"}},
         BadInput{"nstatv", [](Call& c) { c.statev.clear(); }, {"NSTATV = 0", "at least 1"}},
@@ -260,6 +302,62 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"G_nan", [](Call& c) { c.statev[0] = nan; }, {"STATEV(1) = nan", "G", "> 0"}},
         BadInput{"fibre_nan", [](Call& c) { c.statev[6] = nan; }, {"STATEV(7) = nan", "fibre", "finite"}}),
     [](const auto& info) { return std::string(info.param.name); });
+
+// PROPS(12:17): the UMAT remembers the stretch that the second-order step starts from, and removes if told
+// to.
+TEST(Umat, SecondOrderAndRemovalAreTheCores) {
+  samples::Random r(46);
+  for (double integration : {0.0, 1.0}) {
+    FibreGrowth<> m;
+    m.integration = integration == 0 ? TimeIntegration::backward_euler : TimeIntegration::midpoint_flow;
+    m.removal = {0.8, 1.5, 0.6, 0.98};
+    Call c;
+    c.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 0, 0, integration, 0, 0.8, 1.5, 0.6, 0.98};
+    State<> state;
+    double highest = 1, lowest = 1;
+    for (int i = 1; i <= 200; ++i) {
+      const double t = 0.05 * i;
+      c.F(0, 0) = 1 + 0.15 * std::sin(t);
+      c.F(0, 1) = 0.1 * std::sin(2 * t);
+      c.dtime = 0.05;
+      const auto u = update(m, c.F, state, 0.05);
+      c.run();
+      ASSERT_EQ(c.statev[0], u.state.G);
+      ASSERT_EQ(c.ddsdde, u.ddsdde());
+      state = u.state;
+      highest = std::max(highest, state.G);
+      lowest = std::min(lowest, state.G);
+    }
+    EXPECT_GT(highest, 1.05);
+    EXPECT_LT(lowest, 0.95);
+  }
+}
+
+TEST(Umat, AdvisesOnTheTimeIncrement) {
+  for (double integration : {0.0, 1.0}) {
+    const auto advice = [&](double dt, double tolerance, double pnewdt) {
+      Call c;
+      c.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 0, 0, integration, tolerance};
+      c.statev[2] = std::max(1.1 - 2.5 * dt, 0.5);  // stretched at a rate
+      c.F(0, 0) = 1.1;
+      c.dtime = dt;
+      c.pnewdt = pnewdt;
+      c.run();
+      EXPECT_TRUE(std::isfinite(c.stress[0]));
+      return c.pnewdt;
+    };
+    EXPECT_EQ(advice(0.5, 0, DBL_MAX), DBL_MAX);   // off
+    EXPECT_LT(advice(0.5, 1e-6, DBL_MAX), 1);      // too long for that
+    EXPECT_EQ(advice(5.0, 1e-12, DBL_MAX), 0.25);  // but not below that
+    EXPECT_EQ(advice(1e-6, 1e-3, DBL_MAX), 2);     // leave to enlarge
+    EXPECT_EQ(advice(1e-6, 1e-3, 1), 1);           // never above what the host says
+    EXPECT_EQ(advice(0.5, 1e-6, 0.1), 0.1);
+    const double once = advice(0.02, 1e-4, DBL_MAX), half = advice(0.01, 1e-4, DBL_MAX);
+    if (once < 2 && half < 2) {
+      EXPECT_NEAR(half / once, 2, 0.2);  // the error is of second order
+    }
+  }
+}
 
 TEST(Umat, ReportsTheFirstOfSeveralFaults) {
   Call c;

@@ -454,9 +454,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"energy", [](Block& b) { b.props[10] = 0.5; }, {"PROPS(11) = 0.5", "energy", "0 or 1"}},
         BadInput{"unknown",
                  [](Block& b) {
-                   b.props.insert(b.props.end(), {0, 7});
+                   b.props.resize(18);
+                   b.props[17] = 7;
                  },
-                 {"PROPS(13) = 7", "must be 0"}},
+                 {"PROPS(18) = 7", "must be 0"}},
         BadInput{"nprops", [](Block& b) { b.props.resize(5); }, {"NPROPS = 5", "at least 6"}},
         BadInput{"nprops_0", [](Block& b) { b.props.clear(); }, {"NPROPS = 0", "at least 6"}},
         BadInput{

@@ -39,7 +39,7 @@ Membrane membrane(samples::Random& r, Fibre fibre, Kind kind) {
   m.dt = m.muscle.growth.growth_time * r.log_uniform(1e-4, 1e3);
   PointUpdate<double> u;
   double thickness = 0, c[9];
-  EXPECT_EQ(plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 0.0, thickness, u, c),
+  EXPECT_EQ(plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, 0.0, thickness, u, c),
             Status::ok);
   m.muscle.growth.lambda_crit =
       u.lambda_e * (kind == Kind::growing ? r.uniform(0.6, 0.97) : r.uniform(1.05, 1.5));
@@ -57,8 +57,9 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
     PointUpdate<double> u;
     double thickness = 0;
     Eigen::Matrix3d c, by_complex_step;
-    ASSERT_EQ(plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, m.dt, thickness, u, c.data()),
-              Status::ok);
+    ASSERT_EQ(
+        plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, m.dt, thickness, u, c.data()),
+        Status::ok);
     EXPECT_EQ(u.G > m.state.G, kind == Kind::growing);
     worst_stress = std::max(worst_stress, std::abs(u.tau[2]) / (m.muscle.c1 + m.muscle.c2));
 
@@ -73,8 +74,9 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
     for (double start : {1e-3, 0.5, 3.0, 1e3, -1.0}) {
       PointUpdate<double> v;
       double again = start, c_again[9];
-      EXPECT_EQ(plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, m.dt, again, v, c_again),
-                Status::ok);
+      EXPECT_EQ(
+          plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, m.dt, again, v, c_again),
+          Status::ok);
       EXPECT_NEAR(again / thickness, 1, 1e-13);
     }
 
@@ -87,7 +89,8 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
       const Vec3<Complex> n0 = m.state.n0.cast<Complex>();
       PointUpdate<Complex> v;
       Complex F33 = 0.8 * thickness, c_complex[9];
-      ASSERT_EQ(plane_stress(m.muscle, step.data(), n0.data(), Complex(m.state.G), m.dt, F33, v, c_complex),
+      ASSERT_EQ(plane_stress(m.muscle, step.data(), n0.data(), Complex(m.state.G), Complex(1), m.dt, F33, v,
+                             c_complex),
                 Status::ok);
       by_complex_step.col(col) << v.tau[0].imag() / h, v.tau[1].imag() / h, v.tau[3].imag() / h;
     }
@@ -133,8 +136,9 @@ TEST(PlaneStress, AgainstFiftyDigits) {
     PointUpdate<double> u;
     double thickness = 0;
     Eigen::Matrix3d c, expected;
-    ASSERT_EQ(plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, m.dt, thickness, u, c.data()),
-              Status::ok);
+    ASSERT_EQ(
+        plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, m.dt, thickness, u, c.data()),
+        Status::ok);
     const Real exact[2][2] = {{m.F(0, 0), m.F(0, 1)}, {m.F(1, 0), m.F(1, 1)}};
     EXPECT_LE(std::abs(static_cast<double>(solve(exact).first / thickness - 1)), 1e-12);
     for (int col = 0; col < 3; ++col) {
@@ -166,8 +170,8 @@ TEST(PlaneStress, SaysWhatItCannotTake) {
   PointUpdate<double> u;
   double thickness = 0.9, c[9];
   const double inverted[4] = {1, 0, 0, -1}, bad[4] = {1, nan, 0, 1};
-  EXPECT_EQ(plane_stress(muscle, inverted, n0, 1.0, 1.0, thickness, u, c), Status::inverted);
-  EXPECT_EQ(plane_stress(muscle, bad, n0, 1.0, 1.0, thickness, u, c), Status::not_finite);
+  EXPECT_EQ(plane_stress(muscle, inverted, n0, 1.0, 1.0, 1.0, thickness, u, c), Status::inverted);
+  EXPECT_EQ(plane_stress(muscle, bad, n0, 1.0, 1.0, 1.0, thickness, u, c), Status::not_finite);
   EXPECT_EQ(thickness, 0.9);
   EXPECT_TRUE(std::isnan(u.tau[0]));
 }
@@ -182,19 +186,20 @@ TEST(UniaxialStress, FreesTheSidesAndCondensesTheSlope) {
     const double stretch = r.uniform(0.5, 2), G = r.uniform(1, 1.09), dt = r.log_uniform(1e-3, 1e2);
     PointUpdate<double> u;
     double side = 0, slope;
-    ASSERT_EQ(uniaxial_stress(m, stretch, G, dt, side, u, slope), Status::ok);
+    ASSERT_EQ(uniaxial_stress(m, stretch, G, 1.0, dt, side, u, slope), Status::ok);
     EXPECT_LE(std::abs(u.tau[1]) + std::abs(u.tau[2]), 2e-12 * (m.c1 + m.c2));
     const double h = 1e-40;
     PointUpdate<Complex> v;
     Complex side_c = 1, slope_c;
-    ASSERT_EQ(uniaxial_stress(m, Complex(stretch, h * stretch), Complex(G), dt, side_c, v, slope_c),
-              Status::ok);
+    ASSERT_EQ(
+        uniaxial_stress(m, Complex(stretch, h * stretch), Complex(G), Complex(1), dt, side_c, v, slope_c),
+        Status::ok);
     EXPECT_NEAR(v.tau[0].imag() / h, slope, 1e-11 * (std::abs(slope) + m.c2));
     // the same strip as a membrane that is stretched to the same sides is stress-free across, too
     const double F[4] = {stretch, 0, 0, side}, n0[3] = {1, 0, 0};
     PointUpdate<double> w;
     double thickness = 0, c[9];
-    ASSERT_EQ(plane_stress(m, F, n0, G, dt, thickness, w, c), Status::ok);
+    ASSERT_EQ(plane_stress(m, F, n0, G, 1.0, dt, thickness, w, c), Status::ok);
     EXPECT_NEAR(thickness, side, 1e-12);
   }
 }

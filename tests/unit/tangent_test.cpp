@@ -20,6 +20,7 @@ double error(const Eigen::MatrixBase<A>& expected, const Eigen::MatrixBase<B>& x
 Update<Complex> complex_update(const Point& p, const Mat3<Complex>& F) {
   State<Complex> state;
   state.G = p.state.G;
+  state.lambda = p.state.lambda;
   state.n0 = p.state.n0.cast<Complex>();
   return update(p.muscle, F, state, p.dt);
 }
@@ -107,6 +108,44 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Tangent,
                                                           Kind::saturated, Kind::elastic_step, Kind::any),
                                           testing::Values(EnergyPer::reference_volume,
                                                           EnergyPer::grown_volume)));
+
+// The options that change G: removal, and the second-order step from a stretch of its own.
+TEST(Tangent, OfRemovalAndOfTheMidpointFlow) {
+  samples::Random r(27);
+  double worst = 0;
+  int grew = 0, shrank = 0;
+  for (int i = 0; i < 300; ++i) {
+    Point p = samples::point(r, Kind::growing, 100);
+    const double lambda = update(p.muscle, p.F, p.state, 0).point.lambda;
+    p.muscle.integration = i % 3 == 0 ? TimeIntegration::backward_euler : TimeIntegration::midpoint_flow;
+    p.state.lambda = lambda * r.uniform(0.9, 1.1);
+    if (i % 2 == 0) {  // the thresholds above, so that it shrinks
+      p.muscle.growth.lambda_crit = 3 * lambda;
+      p.muscle.removal = {r.uniform(0.1, 3), r.uniform(0.5, 4), r.uniform(0.1, 0.9),
+                          lambda / p.state.G * r.uniform(1.2, 2)};
+    }
+    const auto u = update(p.muscle, p.F, p.state, p.dt);
+    ASSERT_TRUE(u.ok());
+    grew += u.state.G > p.state.G;
+    shrank += u.state.G < p.state.G;
+    const Tangents t = by_complex_step(p);
+    worst =
+        std::max({worst, error(t.ddsdde, u.ddsdde()), error(t.dP_dF, u.dP_dF()), error(t.dS_dE, u.dS_dE())});
+    // and by differences, which know nothing of how the derivative of G was made
+    const double h = 2e-6;
+    for (int col = 0; col < 6; ++col) {
+      const Mat3<double> dF = h * unit_strain(col) * p.F;
+      const Mat3<double> d = update(p.muscle, p.F + dF, p.state, p.dt).kirchhoff() -
+                             update(p.muscle, p.F - dF, p.state, p.dt).kirchhoff();
+      EXPECT_LE((to_six(Mat3<double>(d / (2 * h))) - u.jaumann_modulus().col(col)).norm(),
+                1e-6 * u.jaumann_modulus().norm())
+          << i;
+    }
+  }
+  EXPECT_LE(worst, 1e-12);
+  EXPECT_GT(grew, 100);
+  EXPECT_GT(shrank, 100);
+}
 
 // On the threshold itself the update has a kink: the tangent is the derivative from below, where nothing
 // grows.

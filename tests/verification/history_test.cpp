@@ -46,10 +46,13 @@ double exact_flow(const GrowthRate<>& r, const std::function<double(double)>& st
 }
 
 /// The library's G at time `end` in n steps under a stretch history.
-double stepped(const GrowthRate<>& rate, const std::function<double(double)>& stretch, double end, int n) {
+double stepped(const GrowthRate<>& rate, const std::function<double(double)>& stretch, double end, int n,
+               TimeIntegration how = TimeIntegration::backward_euler) {
   FibreGrowth<> muscle;
   muscle.growth = rate;
+  muscle.integration = how;
   State<> state;
+  state.lambda = stretch(0);
   for (int i = 1; i <= n; ++i) {
     Mat3<double> F = Mat3<double>::Identity();
     F(0, 0) = stretch(end * i / n);
@@ -108,6 +111,45 @@ TEST(History, BackwardEulerConvergesWithOrderOne) {
       EXPECT_NEAR(order, 1, 0.05) << "gamma " << gamma << ", steps " << n;
     }
     EXPECT_LT(stepped(rate, held, 1, 100), exact);  // it underestimates growth at held stretch
+  }
+}
+
+TEST(History, MidpointFlowConvergesWithOrderTwo) {
+  // A stretch that changes all the time; held, the flow is exact.
+  const auto moving = [](double t) { return 1.08 + 0.03 * std::sin(3 * t); };
+  for (double gamma : {0.5, 1.0, 2.0, 2.5}) {
+    GrowthRate<> rate = paper;
+    rate.gamma = gamma;
+    const double exact = exact_flow(rate, moving, 0, 1, 1);
+    for (int n : {20, 40, 80}) {
+      const double coarse = stepped(rate, moving, 1, n, TimeIntegration::midpoint_flow) - exact;
+      const double fine = stepped(rate, moving, 1, 2 * n, TimeIntegration::midpoint_flow) - exact;
+      EXPECT_NEAR(std::log2(coarse / fine), 2, 0.05) << "gamma " << gamma << ", steps " << n;
+    }
+    EXPECT_NEAR(stepped(rate, held, 1, 7, TimeIntegration::midpoint_flow), exact_flow(rate, held, 0, 1, 1),
+                1e-12);
+  }
+}
+
+// Cat soleus fixed short loses sarcomeres: down to lambda/lambda_rev, or to G_min.
+TEST(History, RemovalEndsAtItsThresholdOrAtGMin) {
+  FibreGrowth<> muscle;
+  muscle.removal = {1, 2, 0.5, 0.99};
+  for (auto [stretch, end] : {std::pair(0.8, 0.8 / 0.99), std::pair(0.4, 0.5)}) {
+    for (TimeIntegration how : {TimeIntegration::backward_euler, TimeIntegration::midpoint_flow}) {
+      muscle.integration = how;
+      State<> state;
+      state.lambda = stretch;
+      for (int i = 0; i < 400; ++i) {
+        Mat3<double> F = Mat3<double>::Identity();
+        F(0, 0) = stretch;
+        const auto u = update(muscle, F, state, 1000.0);
+        ASSERT_LE(u.state.G, state.G);
+        state = u.state;
+      }
+      EXPECT_NEAR(state.G, end, 1e-4);
+      EXPECT_GE(state.G, end * (1 - 1e-15));
+    }
   }
 }
 
