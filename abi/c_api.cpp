@@ -127,6 +127,8 @@ int update(const Common& common, const Point& p, abi::Text& text) {
   PointUpdate<double> u;
   const double lambda_n = abi::stretch_at_start(p.state_in, common.n_state);
   Status status = update_point(common.properties.material, F, n0, G_n, lambda_n, common.dt, u);
+  // det F can be 0 to the one and > 0 to the other, to rounding: F itself is then the wrong one.
+  if (status == Status::ok && common.properties.local_basis && !turned) status = Status::inverted;
   if (status == Status::ok) {
     convert(common.measure, F, u, p.stress, p.tangent);
     const int n = myogrowth_stress_size(common.measure);

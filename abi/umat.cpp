@@ -37,7 +37,6 @@ void refuse(double* stress, double* ddsdde, int ntens, double& pnewdt) {
 // Above 1 it is leave to enlarge: Abaqus takes it where it chooses the increments itself.
 double advised_factor(const abi::Properties& p, double G_n, double lambda_n, double lambda, double dtime) {
   const double safety = 0.9, least = 0.25, most = 2;
-  if (!(p.tolerance > 0)) return std::numeric_limits<double>::max();
   const FibreGrowth<double>& m = p.material;
   const bool first_order = m.integration == TimeIntegration::backward_euler;
   const double error = first_order
@@ -85,7 +84,10 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   bool all_zero = true;
   for (int i = 0; i < 9; ++i) all_zero = all_zero && (!given[i] || dfgrd1[i] == 0);
   for (int i = 0; i < 9; ++i) F[i] = given[i] && !all_zero ? dfgrd1[i] : F[i];
-  if (properties.local_basis) left_stretch(F, F);  // an F that has none is refused below
+  if (properties.local_basis && !left_stretch(F, F)) {  // det F <= 0, or not finite
+    refuse(stress, ddsdde, ntens, *pnewdt);
+    return;
+  }
 
   PointUpdate<double> u;
   const double G_n = statev[0] == 0 ? 1 : statev[0], lambda_n = abi::stretch_at_start(statev, nstatv);
@@ -117,8 +119,10 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     refuse(stress, ddsdde, ntens, *pnewdt);
     return;
   }
-  const double advice = advised_factor(properties, G_n, lambda_n, u.lambda, dtime);
-  if (!(*pnewdt <= advice)) *pnewdt = advice;
+  if (properties.tolerance > 0) {
+    const double advice = advised_factor(properties, G_n, lambda_n, u.lambda, dtime);
+    if (!(*pnewdt <= advice)) *pnewdt = advice;
+  }
   *sse = u.psi;
   const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
   for (int i = 0; i < 5 && i < nstatv; ++i) statev[i] = scalars[i];

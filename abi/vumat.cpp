@@ -116,13 +116,18 @@ bool update(const Block& b, const FibreGrowth<double>& material, double G_n, dou
 
   double sigma[6];
   cauchy_from_kirchhoff(u.J, u.tau, sigma);
+  // Energy is asked for per unit mass, and the density is that of the middle of the step.
+  const double J_mid = (det_of_symmetric(b.stretch_old, k) + u.J) / 2;
+  const Number energy = static_cast<Number>(u.psi / (b.density[k] * J_mid));
+  bool finite = is_finite(energy);
+  for (double s : sigma) finite = finite && is_finite(static_cast<Number>(s));
+  if (!finite) return false;
+
   for (int i = 0; i < 6; ++i) b.stress(k, i) = static_cast<Number>(sigma[kernel_index(i)]);
+  b.ener_intern[k] = energy;
   const double state[n_state] = {u.G, u.lambda_e, u.lambda, u.J, u.Je, u.n0[0], u.n0[1], u.n0[2]};
   const int room = abi::keeps_fibre(b.nstatev) ? n_state : abi::fibre_entry;
   for (int i = 0; i < room && i < b.nstatev; ++i) b.state(k, i) = static_cast<Number>(state[i]);
-  // Energy is asked for per unit mass, and the density is that of the middle of the step.
-  const double J_mid = (det_of_symmetric(b.stretch_old, k) + u.J) / 2;
-  b.ener_intern[k] = static_cast<Number>(u.psi / (b.density[k] * J_mid));
   return true;
 }
 

@@ -75,7 +75,9 @@ struct FlowResult {
 template <class V>
 FlowResult<V> follow(const Flow<V>& flow, V a) {
   const BracketedEquation<V>& eq = flow.eq;
-  const V panel = 4 / (4 + eq.gamma);  // short against the growth of the integrands
+  // Short against the growth of the integrands, as far as anybody's gamma goes: the number of panels is
+  // bounded.
+  const V panel = 4 / (4 + (eq.gamma < 100 ? eq.gamma : V(100)));
   // Where what is left of the way is below rounding, the end is reached.
   const V w_end = log(flow.u_n / (std::numeric_limits<V>::epsilon() * eq.end / 8)) + panel;
   V w = 0, time = 0, sensitivity = 0;

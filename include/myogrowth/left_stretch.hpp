@@ -28,7 +28,7 @@ bool left_stretch(const T F[9], T V[9]) {
                 F[6] * (F[1] * F[5] - F[4] * F[2]);
   if (!is_finite(size) || !(value(det) > 0)) return false;
 
-  // With scaling it takes nine steps at most; the bound is for F that are singular to rounding.
+  // With scaling it takes a few steps; the bound is for F that are singular to rounding.
   bool last = false;
   for (int iteration = 0; iteration < 40; ++iteration) {
     inverse(X, inv);

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "../support/umat_host.hpp"
+#include "bytes.hpp"
+#include "rules.hpp"
 
 namespace {
 std::string message;
@@ -24,31 +26,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace {
 
-/// Reads numbers off the fuzzer's bytes: telling ones by a single byte, any by nine. Zeros at the end.
-struct Bytes {
-  const std::uint8_t* at;
-  std::size_t left;
-
-  unsigned byte() {
-    if (left == 0) return 0;
-    --left;
-    return *at++;
-  }
-  double number() {
-    static const double telling[] = {0,    1,      -1,       1.1,  1.01,      0.5,    2,    16,
-                                     4,    1e-300, 1e300,    1e-8, 1 + 1e-15, 0.999,  -0.3, 3,
-                                     1e-3, 100,    INFINITY, NAN,  5e-324,    -1e-320};
-    const unsigned choice = byte();
-    constexpr unsigned n = sizeof telling / sizeof *telling;
-    if (choice < 200) return telling[choice % n];
-    double x = 0;
-    unsigned char raw[8];
-    for (unsigned char& b : raw) b = static_cast<unsigned char>(byte());
-    std::memcpy(&x, raw, 8);
-    return x;
-  }
-};
-
 void require(bool holds, const char* what, const host::Call& c) {
   if (holds) return;
   std::fprintf(stderr, "FAILED: %s\nmessage: %s\nNTENS %d DTIME %.17g PNEWDT %.17g\nPROPS", what,
@@ -62,32 +39,11 @@ void require(bool holds, const char* what, const host::Call& c) {
   std::abort();
 }
 
-/// What the manual says is not allowed, in words of its own.
+/// What the manual says is not allowed.
 bool is_faulty(const host::Call& c) {
-  const auto& p = c.props;
-  const std::size_t n = p.size();
-  if ((c.ntens != 6 && c.ntens != 4 && c.ntens != 3) || n < 6 || c.statev.empty()) return true;
-  for (double x : p) {
-    if (!std::isfinite(x)) return true;
-  }
-  if (!(p[1] > 0) || !(p[0] > -2 * p[1] / 3) || !(p[2] > 0) || p[3] < 0 || !(p[4] > 1) || !(p[5] > 0))
-    return true;
-  for (std::size_t i = 9; i < n; ++i) {
-    if (p[i] != 0 && (i >= 11 || p[i] != 1)) return true;
-  }
-  if (!std::isfinite(c.statev[0]) || c.statev[0] < 0) return true;
-  double n0[3] = {n > 6 ? p[6] : 1, n > 7 ? p[7] : 0, n > 8 ? p[8] : 0};
-  if (c.statev.size() >= 8) {
-    const double* s = &c.statev[5];
-    if (!std::isfinite(s[0]) || !std::isfinite(s[1]) || !std::isfinite(s[2])) return true;
-    if (s[0] != 0 || s[1] != 0 || s[2] != 0) std::copy(s, s + 3, n0);
-  }
-  return n0[0] == 0 && n0[1] == 0 && n0[2] == 0;
-}
-
-bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() &&
-         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+  if (c.ntens != 6 && c.ntens != 4 && c.ntens != 3) return true;
+  return rules::props_are_faulty(c.props) || rules::has_no_room(c.props, c.statev.size()) ||
+         rules::state_is_faulty(c.statev) || rules::has_no_fibre(c.props, c.statev);
 }
 
 }  // namespace
@@ -98,7 +54,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const unsigned kind = bytes.byte();
   const int families[] = {6, 6, 4, 3};
   c.ntens = kind < 240 ? families[kind % 4] : static_cast<int>(kind % 7) - 1;
-  c.props.resize(kind % 5 == 0 ? bytes.byte() % 20 : 9 + kind % 3);
+  c.props.resize(kind % 5 == 0 ? bytes.byte() % 20 : kind % 3 == 1 ? 17 : 9 + kind % 3);
   c.statev.resize(kind % 7 == 0 ? bytes.byte() % 14 : 9);
   for (int i = 0; i < 9; ++i) c.F(i) = bytes.number() + (kind % 2 && i % 4 == 0 ? 1 : 0);
   c.dtime = bytes.number();
@@ -118,15 +74,17 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   for (int i = 0; i < n * n; ++i) finite = finite && std::isfinite(c.ddsdde(i));
   if (!finite) {
     require(c.pnewdt <= 0.25, "no result, and no smaller step asked for", before);
-    require(same_bits(c.statev, before.statev), "no result, and STATEV was touched", before);
+    require(rules::same_bits(c.statev, before.statev), "no result, and STATEV was touched", before);
     for (int i = 0; i < n; ++i) require(std::isnan(c.stress[i]), "no result, and STRESS is not NaN", before);
     return 0;
   }
   require(message.empty(), "a result in spite of a fault", before);
-  require(c.pnewdt == before.pnewdt || (std::isnan(c.pnewdt) && std::isnan(before.pnewdt)),
+  const bool advised = before.props.size() > 12 && before.props[12] > 0;
+  require(advised || c.pnewdt == before.pnewdt || (std::isnan(c.pnewdt) && std::isnan(before.pnewdt)),
           "PNEWDT was touched", before);
   const double G_n = before.statev[0] == 0 ? 1 : before.statev[0];
-  require(c.statev[0] >= G_n && c.statev[0] <= std::max(G_n, c.props[4]), "G is out of bounds", before);
+  const double least = rules::removes(c.props) ? std::min(G_n, c.props[15]) : G_n;
+  require(c.statev[0] >= least && c.statev[0] <= std::max(G_n, c.props[4]), "G is out of bounds", before);
   for (std::size_t i = 0; i < c.statev.size() && i < 8; ++i) {
     require(i >= 5 && c.statev.size() < 8 ? true : std::isfinite(c.statev[i]), "STATEV is not finite",
             before);
