@@ -33,8 +33,8 @@ void refuse(double* stress, double* ddsdde, int ntens, double& pnewdt) {
   if (!(pnewdt <= cut_back)) pnewdt = cut_back;
 }
 
-// The factor on the time increment at which the time error of G meets its tolerance; without one, no limit.
-// Above 1 it is leave to enlarge: Abaqus takes it where it chooses the increments itself.
+// The factor on the time increment at which the time error of G meets its tolerance. Above 1 it is leave to
+// enlarge: Abaqus takes it where it chooses the increments itself.
 double advised_factor(const abi::Properties& p, double G_n, double lambda_n, double lambda, double dtime) {
   const double safety = 0.9, least = 0.25, most = 2;
   const FibreGrowth<double>& m = p.material;

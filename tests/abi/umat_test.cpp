@@ -385,9 +385,9 @@ TEST(Umat, LocalBasisAgreesWithGlobal) {
     local.run();
     EXPECT_NEAR(local.statev[0], global.statev[0], 1e-12);
     const Eigen::Matrix3d sigma = B.transpose() * from_six(Vec6<double>(global.stress)) * B;
-    EXPECT_LE((from_six(Vec6<double>(local.stress)) - sigma).norm(), 1e-11 * sigma.norm());
+    EXPECT_LE((from_six(Vec6<double>(local.stress)) - sigma).norm(), 1e-12 * sigma.norm());
     const Mat6<double> c = push_forward(Mat3<double>(B.transpose()), Mat6<double>(global.ddsdde));
-    EXPECT_LE((local.ddsdde - c).norm(), 1e-11 * c.norm());
+    EXPECT_LE((local.ddsdde - c).norm(), 1e-12 * c.norm());
   }
 }
 
