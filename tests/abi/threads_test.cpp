@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../support/umat_host.hpp"
+#include "../support/vumat_host.hpp"
 
 namespace {
 // What the routines said through the host's utilities: the number of messages, and a sum over their letters.
@@ -26,15 +27,6 @@ void listen(const char* text, std::size_t length) {
 }  // namespace
 
 extern "C" {
-void vumat_(const int* nblock, const int* ndir, const int* nshr, const int* nstatev, const int* nfieldv,
-            const int* nprops, const int* lanneal, const double* stepTime, const double* totalTime,
-            const double* dt, const char* cmname, const double* coordMp, const double* charLength,
-            const double* props, const double* density, const double* strainInc, const double* relSpinInc,
-            const double* tempOld, const double* stretchOld, const double* defgradOld, const double* fieldOld,
-            const double* stressOld, const double* stateOld, const double* enerInternOld,
-            const double* enerInelasOld, const double* tempNew, const double* stretchNew,
-            const double* defgradNew, const double* fieldNew, double* stressNew, double* stateNew,
-            double* enerInternNew, double* enerInelasNew);
 void stdb_abqerr_(const int*, const char* text, const int*, const void*, const char*, std::size_t length,
                   std::size_t) {
   listen(text, length);

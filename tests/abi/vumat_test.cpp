@@ -9,28 +9,7 @@
 
 #include "../support/samples.hpp"
 #include "../support/umat_host.hpp"
-
-#ifdef MYOGROWTH_VUMAT_SINGLE
-using Number = float;
-constexpr double tolerance = 1e-5;
-#else
-using Number = double;
-constexpr double tolerance = 1e-12;
-#endif
-
-extern "C" {
-using Vumat = void(const int* nblock, const int* ndir, const int* nshr, const int* nstatev,
-                   const int* nfieldv, const int* nprops, const int* lanneal, const Number* stepTime,
-                   const Number* totalTime, const Number* dt, const char* cmname, const Number* coordMp,
-                   const Number* charLength, const Number* props, const Number* density,
-                   const Number* strainInc, const Number* relSpinInc, const Number* tempOld,
-                   const Number* stretchOld, const Number* defgradOld, const Number* fieldOld,
-                   const Number* stressOld, const Number* stateOld, const Number* enerInternOld,
-                   const Number* enerInelasOld, const Number* tempNew, const Number* stretchNew,
-                   const Number* defgradNew, const Number* fieldNew, Number* stressNew, Number* stateNew,
-                   Number* enerInternNew, Number* enerInelasNew);
-Vumat vumat_, myogrowth_vumat_;
-}
+#include "../support/vumat_host.hpp"
 
 #ifdef MYOGROWTH_TEST_WITH_UTILITIES
 namespace {
@@ -50,6 +29,8 @@ void xplb_exit_() { ++utilities.exits; }
 #endif
 
 namespace {
+
+constexpr double tolerance = sizeof(Number) == sizeof(float) ? 1e-5 : 1e-12;
 
 using Eigen::Matrix3d;
 using samples::Kind;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "../support/vumat_host.hpp"
 #include "bytes.hpp"
 #include "rules.hpp"
 
@@ -14,15 +15,6 @@ int messages, exits;
 }  // namespace
 
 extern "C" {
-void vumat_(const int* nblock, const int* ndir, const int* nshr, const int* nstatev, const int* nfieldv,
-            const int* nprops, const int* lanneal, const double* stepTime, const double* totalTime,
-            const double* dt, const char* cmname, const double* coordMp, const double* charLength,
-            const double* props, const double* density, const double* strainInc, const double* relSpinInc,
-            const double* tempOld, const double* stretchOld, const double* defgradOld, const double* fieldOld,
-            const double* stressOld, const double* stateOld, const double* enerInternOld,
-            const double* enerInelasOld, const double* tempNew, const double* stretchNew,
-            const double* defgradNew, const double* fieldNew, double* stressNew, double* stateNew,
-            double* enerInternNew, double* enerInelasNew);
 void xplb_abqerr_(const int* lop, const char* text, const int*, const void*, const char*, std::size_t length,
                   std::size_t) {
   message.assign(text, length);
