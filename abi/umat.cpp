@@ -3,14 +3,13 @@
 //
 // Nothing is remembered between calls, nothing throws, and CMNAME (whose hidden length some hosts leave out),
 // NOEL, NPT, COORDS, LAYER and KSPT, which many hosts do not fill, are never read.
-#include <cmath>
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
 #include <myogrowth/stress_states.hpp>
 
-#include "faults.hpp"
 #include "fortran_name.hpp"
+#include "point.hpp"
 
 // Abaqus's message and exit utilities.
 extern "C" {
@@ -22,29 +21,13 @@ namespace {
 
 using namespace myogrowth;
 
-constexpr double cut_back = 0.25;  // factor on the time increment when a step cannot be taken
-
 // STRESS, DDSDDE and PNEWDT of a call that gave no result: no host can go on with them unawares.
 void refuse(double* stress, double* ddsdde, int ntens, double& pnewdt) {
   if (ntens < 0) ntens = 0;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < ntens; ++i) stress[i] = nan;
   for (int i = 0; i < ntens * ntens; ++i) ddsdde[i] = nan;
-  if (!(pnewdt <= cut_back)) pnewdt = cut_back;
-}
-
-// The factor on the time increment at which the time error of G meets its tolerance. Above 1 it is leave to
-// enlarge: Abaqus takes it where it chooses the increments itself.
-double advised_factor(const abi::Properties& p, double G_n, double lambda_n, double lambda, double dtime) {
-  const double safety = 0.9, least = 0.25, most = 2;
-  const FibreGrowth<double>& m = p.material;
-  const bool first_order = m.integration == TimeIntegration::backward_euler;
-  const double error = first_order
-                           ? time_error_of_backward_euler(m.growth, m.removal, G_n, lambda_n, lambda, dtime)
-                           : time_error_of_midpoint_flow(m.growth, m.removal, G_n, lambda_n, lambda, dtime);
-  // Both errors are of second order in the step.
-  const double factor = safety * std::sqrt(p.tolerance / error);
-  return factor < least ? least : factor < most ? factor : most;
+  if (!(pnewdt <= abi::cut_back)) pnewdt = abi::cut_back;
 }
 
 // True, and the text, if the arguments are not as they must be.
@@ -90,7 +73,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   }
 
   PointUpdate<double> u;
-  const double G_n = statev[0] == 0 ? 1 : statev[0], lambda_n = abi::stretch_at_start(statev, nstatv);
+  const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatv);
   double c[36], thickness = nstatv > abi::thickness_entry ? statev[abi::thickness_entry] : 0;
   if (plane_stress_state) {
     const double in_plane[4] = {F[0], F[1], F[3], F[4]};
@@ -120,13 +103,11 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     return;
   }
   if (properties.tolerance > 0) {
-    const double advice = advised_factor(properties, G_n, lambda_n, u.lambda, dtime);
+    const double advice = abi::advised_factor(properties, G_n, lambda_n, u.lambda, dtime);
     if (!(*pnewdt <= advice)) *pnewdt = advice;
   }
   *sse = u.psi;
-  const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
-  for (int i = 0; i < 5 && i < nstatv; ++i) statev[i] = scalars[i];
-  for (int i = 0; i < 3 && abi::keeps_fibre(nstatv); ++i) statev[abi::fibre_entry + i] = u.n0[i];
+  abi::write_state(u, statev, nstatv);
   if (plane_stress_state && nstatv > abi::thickness_entry) statev[abi::thickness_entry] = thickness;
 }
 

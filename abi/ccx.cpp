@@ -1,0 +1,119 @@
+// CalculiX's face of the law, libMYOGROWTH.so, for a ccx that can load libraries (examples/calculix):
+//
+//   *MATERIAL, NAME=@ABAQUS_MYOGROWTH_CCX     CalculiX's interface for Abaqus UMATs of small strain
+//   *MATERIAL, NAME=@MYOGROWTH_NATIVE         CalculiX's own interface
+//
+// Both take the second Piola-Kirchhoff stress S and dS/dE as they come, at any strain; CalculiX keeps the
+// symmetric part of dS/dE. (Its other Abaqus interface, @ABAQUSNL_, loses the factor J and the rotation.)
+// PROPS and STATEV are the UMAT's, docs/manual.md. Of the arguments only those are read that CalculiX fills.
+#include <atomic>
+#include <cstdlib>
+#include <limits>
+#include <myogrowth/kernel.hpp>
+#include <myogrowth/measures.hpp>
+
+#include "point.hpp"
+
+namespace {
+
+using namespace myogrowth;
+
+// CalculiX has no way to be told of bad input, so the job is ended as CalculiX ends it: with its status,
+// once, though its threads may all find the same fault.
+[[noreturn]] void end_job(const char* text) {
+  static std::atomic_flag told = ATOMIC_FLAG_INIT;
+  while (told.test_and_set()) {  // another thread is about to end the process
+  }
+  std::fflush(nullptr);
+  std::printf("\n *ERROR in myogrowth: %s\n\n", text);
+  std::fflush(nullptr);
+  std::_Exit(201);
+}
+
+// One step at one point. `statev` comes in as at the beginning of the increment. pnewdt of CalculiX: -1
+// unless the increment is to be repeated, pnewdt times as long.
+void update_point_of_ccx(const double* F_given, double dtime, const double* props, int nprops, double* statev,
+                         int nstatev, double S[6], double dS_dE[36], double& pnewdt) {
+  abi::Properties p;
+  abi::Text text;
+  if (abi::find_props_fault(props, nprops, p, text) || abi::find_room_fault("*DEPVAR", nstatev, text) ||
+      abi::find_stretch_fault("*DEPVAR", nstatev, p, text) ||
+      abi::find_state_fault(statev, nstatev, p.n0, text)) {
+    end_job(text);
+  }
+  if (p.local_basis) {
+    end_job(
+        "PROPS(10) = 1: CalculiX gives F in fixed axes, so frame must be 0, and the section have no "
+        "*ORIENTATION.");
+  }
+
+  const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  bool all_zero = true;  // where NLGEOM is missing
+  for (int i = 0; i < 9; ++i) all_zero = all_zero && F_given[i] == 0;
+  const double* F = all_zero ? identity : F_given;
+
+  const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatev);
+  PointUpdate<double> u;
+  update_point(p.material, F, p.n0, G_n, lambda_n, dtime, u);
+  double sum = 0;  // stays 0 as long as all is finite
+  if (u.status == Status::ok) {
+    double c[36];
+    spatial_modulus(u, c);
+    second_piola_from_kirchhoff(F, u.tau, S);
+    dS_dE_from_jaumann(F, u.tau, c, dS_dE);
+    for (int i = 0; i < 6; ++i) sum += 0 * S[i];
+    for (int i = 0; i < 36; ++i) sum += 0 * dS_dE[i];
+  }
+  double factor = 1;
+  if (u.status != Status::ok || sum != 0) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (int i = 0; i < 6; ++i) S[i] = nan;
+    for (int i = 0; i < 36; ++i) dS_dE[i] = nan;
+    factor = abi::cut_back;
+  } else {
+    if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, u.lambda, dtime);
+    abi::write_state(u, statev, nstatev);
+  }
+  if (factor < 1 && !(pnewdt > 0 && pnewdt <= factor)) pnewdt = factor;
+}
+
+}  // namespace
+
+extern "C" {
+
+/// `@ABAQUS_MYOGROWTH_CCX`: the arguments of Abaqus's UMAT. STRESS[6]: S; DDSDDE[36]: dS/dE; both 11 22 33 12
+/// 13 23.
+void CCX(double* stress, double* statev, double* ddsdde, double* /*sse*/, double* /*spd*/, double* /*scd*/,
+         double* /*rpl*/, double* /*ddsddt*/, double* /*drplde*/, double* /*drpldt*/, const double* /*stran*/,
+         const double* /*dstran*/, const double* /*time*/, const double* dtime, const double* /*temp*/,
+         const double* /*dtemp*/, const double* /*predef*/, const double* /*dpred*/, const char* /*cmname*/,
+         const int* /*ndi*/, const int* /*nshr*/, const int* /*ntens*/, const int* nstatv,
+         const double* props, const int* nprops, const double* /*coords*/, const double* /*drot*/,
+         double* pnewdt, const double* /*celent*/, const double* /*dfgrd0*/, const double* dfgrd1,
+         const int* /*noel*/, const int* /*npt*/, const int* /*layer*/, const int* /*kspt*/,
+         const int* /*jstep*/, const int* /*kinc*/, int /*length of cmname*/) {
+  update_point_of_ccx(dfgrd1, *dtime, props, *nprops, statev, *nstatv, stress, ddsdde, *pnewdt);
+}
+
+/// `@MYOGROWTH_NATIVE`: the arguments of CalculiX's own umat_user. xstateini and xstate are those of all
+/// elements, (nstate, mi[0], elements); stre[6]: S; stiff[21]: the upper triangle of dS/dE, column by column.
+/// An elastic iteration (ielas = 1) is not treated apart: the consistent tangent serves it as well.
+void NATIVE(const char* /*amat*/, const int* iel, const int* iint, const int* kode, const double* elconloc,
+            const double* /*emec*/, const double* /*emec0*/, const double* /*beta*/, const double* /*xokl*/,
+            const double* /*voj*/, const double* xkl, const double* /*vj*/, const int* /*ithermal*/,
+            const double* /*t1l*/, const double* dtime, const double* /*time*/, const double* /*ttime*/,
+            const int* icmd, const int* /*ielas*/, const int* mi, const int* nstate, const double* xstateini,
+            double* xstate, double* stre, double* stiff, const int* /*iorien*/, const double* /*pgauss*/,
+            const double* /*orab*/, double* pnewdt, const int* /*ipkon*/, int /*length of amat*/) {
+  const std::ptrdiff_t point = *iint - 1 + static_cast<std::ptrdiff_t>(mi[0]) * (*iel - 1);
+  double* statev = xstate + *nstate * point;
+  for (int i = 0; i < *nstate; ++i) statev[i] = xstateini[*nstate * point + i];
+  double dS_dE[36];
+  const int stress_only = 3;
+  update_point_of_ccx(xkl, *dtime, elconloc, -*kode - 100, statev, *nstate, stre, dS_dE, *pnewdt);
+  if (*icmd == stress_only) return;
+  for (int col = 0, k = 0; col < 6; ++col) {
+    for (int row = 0; row <= col; ++row, ++k) stiff[k] = (dS_dE[row + 6 * col] + dS_dE[col + 6 * row]) / 2;
+  }
+}
+}

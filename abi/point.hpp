@@ -1,0 +1,42 @@
+/// @file
+/// What every host's routine does around the law at one point: advice on the step, and the state to remember.
+#ifndef MYOGROWTH_ABI_POINT_HPP
+#define MYOGROWTH_ABI_POINT_HPP
+
+#include <cmath>
+
+#include "faults.hpp"
+
+namespace myogrowth {
+namespace abi {
+
+constexpr double cut_back = 0.25;  ///< factor on the time increment when a step cannot be taken
+
+/// The sarcomere number a step starts from; a STATEV that knows nothing yet starts with 1.
+inline double number_at_start(const double* statev) { return statev[0] == 0 ? 1 : statev[0]; }
+
+/// The factor on the time increment at which the time error of G meets its tolerance. Above 1 it is leave to
+/// enlarge.
+inline double advised_factor(const Properties& p, double G_n, double lambda_n, double lambda, double dtime) {
+  const double safety = 0.9, least = 0.25, most = 2;
+  const FibreGrowth<double>& m = p.material;
+  const bool first_order = m.integration == TimeIntegration::backward_euler;
+  const double error = first_order
+                           ? time_error_of_backward_euler(m.growth, m.removal, G_n, lambda_n, lambda, dtime)
+                           : time_error_of_midpoint_flow(m.growth, m.removal, G_n, lambda_n, lambda, dtime);
+  // Both errors are of second order in the step.
+  const double factor = safety * std::sqrt(p.tolerance / error);
+  return factor < least ? least : factor < most ? factor : most;
+}
+
+/// STATEV(1:8) at the end of a step, as far as there is room.
+inline void write_state(const PointUpdate<double>& u, double* statev, int nstatev) {
+  const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
+  for (int i = 0; i < 5 && i < nstatev; ++i) statev[i] = scalars[i];
+  for (int i = 0; i < 3 && keeps_fibre(nstatev); ++i) statev[fibre_entry + i] = u.n0[i];
+}
+
+}  // namespace abi
+}  // namespace myogrowth
+
+#endif
