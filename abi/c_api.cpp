@@ -55,7 +55,9 @@ int check_props(const double* props, int n_props, abi::Properties& properties, a
     abi::tell(text, "props = NULL: the constants are needed.");
     return MYOGROWTH_BAD_ARGUMENT;
   }
-  return abi::find_props_fault(props, n_props, properties, text) ? MYOGROWTH_BAD_PARAMETER : MYOGROWTH_OK;
+  const bool fault = abi::find_props_fault(props, n_props, properties, text) ||
+                     abi::find_hybrid_fault("the C API", properties, text);
+  return fault ? MYOGROWTH_BAD_PARAMETER : MYOGROWTH_OK;
 }
 
 // Checks what the points have in common, and that the arrays of the first are there.

@@ -44,7 +44,7 @@ bool find_props_fault(const R* props, int nprops, Properties& properties, Text& 
   const int n = nprops < n_props ? nprops : n_props;
   double known[n_props];
   for (int i = 0; i < n; ++i) known[i] = static_cast<double>(props[i]);
-  if (n > tau_rev_entry && known[tau_rev_entry] > 0 && n < n_props) {
+  if (n > tau_rev_entry && known[tau_rev_entry] > 0 && n < hybrid_entry) {
     return tell(text,
                 "NPROPS = %d: with PROPS(14) = tau_rev > 0, PROPS(15:17) are needed: gamma_rev, G_min, "
                 "lambda_crit_rev.",
@@ -63,6 +63,13 @@ bool find_props_fault(const R* props, int nprops, Properties& properties, Text& 
     }
   }
   return false;
+}
+
+/// True, and the text, if mixed elements are asked for where there are none. `where`: "VUMAT", ...
+inline bool find_hybrid_fault(const char* where, const Properties& properties, Text& text) {
+  if (!properties.hybrid) return false;
+  return tell(text, "PROPS(18) = 1: hybrid must be 0 for %s; mixed elements are those of Abaqus/Standard.",
+              where);
 }
 
 /// True, and the text, if there is no room for G. `name` is what the host calls the number of state

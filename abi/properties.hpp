@@ -35,8 +35,9 @@ struct StateVariable {
   const char* meaning;
 };
 
-constexpr int n_props = 17;           ///< entries that mean something
-constexpr int tau_rev_entry = 13;     ///< index of tau_rev in PROPS: what follows is removal's
+constexpr int n_props = 18;        ///< entries that mean something
+constexpr int tau_rev_entry = 13;  ///< index of tau_rev in PROPS: the first of removal's
+constexpr int hybrid_entry = 17;  ///< index of hybrid in PROPS: what is before it, from tau_rev, is removal's
 constexpr int n_props_required = 6;   ///< entries that have no default
 constexpr int n_statev = 9;           ///< entries that the UMAT keeps, as far as NSTATV has room
 constexpr int stretch_entry = 2;      ///< index of lambda in STATEV
@@ -71,6 +72,8 @@ inline const Property& property(int i) {
       {"lambda_crit_rev", "-",
        "elastic fibre stretch below which sarcomeres are removed; required if tau_rev > 0", 0,
        Allowed::up_to_lambda_crit},
+      {"hybrid", "-", "1: mixed elements of Abaqus/Standard, with HYBRID FORMULATION=TOTAL", 0,
+       Allowed::zero_or_one},
   };
   return table[i];
 }
@@ -145,6 +148,7 @@ struct Properties {
   double n0[3];
   bool local_basis;
   double tolerance;  ///< of the time error in G; 0: no advice on the next step
+  bool hybrid;       ///< STRESS is three entries longer
 };
 
 /// Reads PROPS(1:n), n >= n_props_required, with the table's defaults for what is missing. Returns the index
@@ -153,7 +157,7 @@ inline int read(const double* props, int n, Properties& out) {
   double p[n_props];
   for (int i = 0; i < n_props; ++i) p[i] = i < n ? props[i] : property(i).initial;
   for (int i = 0; i < n_props; ++i) {
-    const bool unused = i > tau_rev_entry && p[tau_rev_entry] == 0;
+    const bool unused = i > tau_rev_entry && i < hybrid_entry && p[tau_rev_entry] == 0;
     if (!is_allowed(unused ? Allowed::any : property(i).allowed, p[i], p)) return i;
   }
   for (int i = n_props; i < n; ++i) {
@@ -166,6 +170,7 @@ inline int read(const double* props, int n, Properties& out) {
   out.local_basis = p[9] != 0;
   out.material.integration = p[11] != 0 ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
   out.tolerance = p[12];
+  out.hybrid = p[hybrid_entry] != 0;
   if (p[tau_rev_entry] > 0) out.material.removal = RemovalRate<double>{p[13], p[14], p[15], p[16]};
   out.material.energy = p[10] != 0 ? EnergyPer::grown_volume : EnergyPer::reference_volume;
   return -1;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
+#include <myogrowth/mixed_volume.hpp>
 #include <myogrowth/stress_states.hpp>
 
 #include "fortran_name.hpp"
@@ -40,6 +41,7 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
                      ntens);
   }
   return abi::find_props_fault(props, nprops, properties, text) ||
+         (ntens == 3 && abi::find_hybrid_fault("plane stress", properties, text)) ||
          abi::find_room_fault("NSTATV", nstatv, text) ||
          abi::find_stretch_fault("NSTATV", nstatv, properties, text) ||
          abi::find_state_fault(statev, nstatv, properties.n0, text);
@@ -74,13 +76,24 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
 
   PointUpdate<double> u;
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatv);
-  double c[36], thickness = nstatv > abi::thickness_entry ? statev[abi::thickness_entry] : 0;
+  double overflow = 0;  // stays 0 as long as all is finite
+  double J = 0, c[36], thickness = nstatv > abi::thickness_entry ? statev[abi::thickness_entry] : 0;
   if (plane_stress_state) {
     const double in_plane[4] = {F[0], F[1], F[3], F[4]};
     plane_stress(properties.material, in_plane, properties.n0, G_n, lambda_n, dtime, thickness, u, c);
+  } else if (properties.hybrid) {
+    // STRESS goes on: J^ as given, then K = J d2U/dJ^2 and dK/dJ^ to be returned.
+    const double J_hat = stress[ntens];
+    MixedVolume<double> volume{1, std::numeric_limits<double>::quiet_NaN()};
+    update_mixed(properties.material, F, properties.n0, G_n, lambda_n, dtime, J_hat, u, c, volume);
+    J = volume.J;
+    stress[ntens + 1] = volume.K;
+    stress[ntens + 2] = mixed_dK_dJ(properties.material, F, properties.n0, G_n, lambda_n, dtime, J_hat);
+    overflow += 0 * stress[ntens + 1] + 0 * stress[ntens + 2];
   } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) == Status::ok) {
     spatial_modulus(u, c);
   }
+  if (!properties.hybrid) J = u.J;
   if (u.status != Status::ok) {
     refuse(stress, ddsdde, ntens, *pnewdt);
     return;
@@ -88,8 +101,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
 
   const int component[6] = {0, 1, plane_stress_state ? 3 : 2, 3, 4, 5};  // of the law, for each of the host's
   const int modulus_size = plane_stress_state ? 3 : 6;
-  const double per_J = 1 / u.J;
-  double overflow = 0;  // stays 0 as long as all is finite
+  const double per_J = 1 / J;
   for (int j = 0; j < ntens; ++j) {
     stress[j] = u.tau[component[j]] * per_J;
     overflow += 0 * stress[j];

@@ -93,6 +93,7 @@ bool find_fault(const Block& b, abi::Properties& properties, abi::Text& text) {
   }
   return abi::find_room_fault("NSTATEV", b.nstatev, text) ||
          abi::find_props_fault(b.props, b.nprops, properties, text) ||
+         abi::find_hybrid_fault("Abaqus/Explicit", properties, text) ||
          abi::find_stretch_fault("NSTATEV", b.nstatev, properties, text);
 }
 

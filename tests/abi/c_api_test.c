@@ -84,7 +84,7 @@ static void test_tables(void) {
   CHECK(strcmp(version, myogrowth_version_text()) == 0);
   CHECK(major >= 0 && minor >= 0 && patch >= 0);
 
-  CHECK(myogrowth_n_props() == 17);
+  CHECK(myogrowth_n_props() == 18);
   CHECK(myogrowth_n_props_required() == 6);
   for (int i = 0; i < myogrowth_n_props(); ++i) {
     CHECK(strlen(myogrowth_prop_symbol(i)) > 0);
@@ -113,7 +113,7 @@ static void test_tables(void) {
   CHECK(myogrowth_state_index("G") == 0);
   CHECK(myogrowth_state_index("lambda_e") == 1);
 
-  const int outside[] = {-1, 17, 1000, -2147483647 - 1, 2147483647};
+  const int outside[] = {-1, 18, 1000, -2147483647 - 1, 2147483647};
   for (int k = 0; k < 5; ++k) {
     const int i = outside[k];
     CHECK(myogrowth_prop_symbol(i) == NULL && myogrowth_prop_unit(i) == NULL);
@@ -158,7 +158,8 @@ static void test_check(void) {
              {10, 0.5, "PROPS(11) = 0.5: energy", "0 or 1"},
              {11, 7, "PROPS(12) = 7: integration", "0 or 1"},
              {13, -1, "PROPS(14) = -1: tau_rev", ">= 0"},
-             {17, 7, "PROPS(18) = 7", "must be 0"}};
+             {17, 1, "PROPS(18) = 1: hybrid", "must be 0 for the C API"},
+             {18, 7, "PROPS(19) = 7", "must be 0"}};
   char message[message_length];
   for (int n = 6; n <= 11; ++n) {
     strcpy(message, "old");

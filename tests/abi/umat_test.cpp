@@ -287,10 +287,23 @@ INSTANTIATE_TEST_SUITE_P(
                  {"NSTATV = 2", "PROPS(12) = 1", "at least 3"}},
         BadInput{"unknown",
                  [](Call& c) {
-                   c.props.resize(17);
+                   c.props.resize(18);
                    c.props.push_back(7);
                  },
-                 {"PROPS(18) = 7", "17 constants", "must be 0"}},
+                 {"PROPS(19) = 7", "18 constants", "must be 0"}},
+        BadInput{"hybrid",
+                 [](Call& c) {
+                   c.props.resize(17);
+                   c.props.push_back(2);
+                 },
+                 {"PROPS(18) = 2", "hybrid", "0 or 1"}},
+        BadInput{"hybrid_plane_stress",
+                 [](Call& c) {
+                   c.ntens = 3;
+                   c.props.resize(17);
+                   c.props.push_back(1);
+                 },
+                 {"PROPS(18) = 1", "hybrid must be 0 for plane stress"}},
         BadInput{"nprops", [](Call& c) { c.props.resize(5); }, {"NPROPS = 5", "at least 6"}},
         BadInput{"nprops_0", [](Call& c) { c.props.clear(); }, {"NPROPS = 0", "at least 6"}},
         BadInput{"nstatv", [](Call& c) { c.statev.clear(); }, {"NSTATV = 0", "at least 1"}},

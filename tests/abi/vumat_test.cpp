@@ -435,10 +435,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"energy", [](Block& b) { b.props[10] = 0.5; }, {"PROPS(11) = 0.5", "energy", "0 or 1"}},
         BadInput{"unknown",
                  [](Block& b) {
-                   b.props.resize(18);
-                   b.props[17] = 7;
+                   b.props.resize(19);
+                   b.props[18] = 7;
                  },
-                 {"PROPS(18) = 7", "must be 0"}},
+                 {"PROPS(19) = 7", "must be 0"}},
+        BadInput{"hybrid",
+                 [](Block& b) {
+                   b.props.resize(18);
+                   b.props[17] = 1;
+                 },
+                 {"PROPS(18) = 1", "hybrid must be 0 for Abaqus/Explicit"}},
         BadInput{"nprops", [](Block& b) { b.props.resize(5); }, {"NPROPS = 5", "at least 6"}},
         BadInput{"nprops_0", [](Block& b) { b.props.clear(); }, {"NPROPS = 0", "at least 6"}},
         BadInput{

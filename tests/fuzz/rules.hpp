@@ -26,7 +26,8 @@ inline bool same_bits(const Numbers& a, const Numbers& b) {
 inline bool is_second_order(const Numbers& p) { return p.size() > 11 && p[11] == 1; }
 inline bool removes(const Numbers& p) { return p.size() > 13 && p[13] > 0; }
 
-inline bool props_are_faulty(const Numbers& p) {
+/// known: the number of entries that mean something to the routine; the rest must be 0.
+inline bool props_are_faulty(const Numbers& p, std::ptrdiff_t known = 17) {
   if (p.size() < 6 || !all_finite(p)) return true;
   if (!(p[1] > 0) || !(p[0] > -2 * p[1] / 3) || !(p[2] > 0) || p[3] < 0 || !(p[4] > 1) || !(p[5] > 0))
     return true;
@@ -38,7 +39,7 @@ inline bool props_are_faulty(const Numbers& p) {
   if (removes(p) &&
       (p.size() < 17 || p[14] < 0 || !(p[15] > 0 && p[15] < 1) || !(p[16] > 0 && p[16] <= p[5])))
     return true;
-  return std::any_of(p.begin() + std::min<std::ptrdiff_t>(17, p.end() - p.begin()), p.end(),
+  return std::any_of(p.begin() + std::min(known, p.end() - p.begin()), p.end(),
                      [](double x) { return x != 0; });
 }
 

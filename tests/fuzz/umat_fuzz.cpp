@@ -42,7 +42,9 @@ void require(bool holds, const char* what, const host::Call& c) {
 /// What the manual says is not allowed.
 bool is_faulty(const host::Call& c) {
   if (c.ntens != 6 && c.ntens != 4 && c.ntens != 3) return true;
-  return rules::props_are_faulty(c.props) || rules::has_no_room(c.props, c.statev.size()) ||
+  const double hybrid = c.props.size() > 17 ? c.props[17] : 0;
+  if (hybrid != 0 && (hybrid != 1 || c.ntens == 3)) return true;
+  return rules::props_are_faulty(c.props, 18) || rules::has_no_room(c.props, c.statev.size()) ||
          rules::state_is_faulty(c.statev) || rules::has_no_fibre(c.props, c.statev);
 }
 
@@ -54,13 +56,14 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const unsigned kind = bytes.byte();
   const int families[] = {6, 6, 4, 3};
   c.ntens = kind < 240 ? families[kind % 4] : static_cast<int>(kind % 7) - 1;
-  c.props.resize(kind % 5 == 0 ? bytes.byte() % 20 : kind % 3 == 1 ? 17 : 9 + kind % 3);
+  c.props.resize(kind % 5 == 0 ? bytes.byte() % 20 : kind % 3 == 1 ? 18 : 9 + kind % 3);
   c.statev.resize(kind % 7 == 0 ? bytes.byte() % 14 : 9);
   for (int i = 0; i < 9; ++i) c.F(i) = bytes.number() + (kind % 2 && i % 4 == 0 ? 1 : 0);
   c.dtime = bytes.number();
   c.pnewdt = kind % 3 == 0 ? bytes.number() : 1;
   for (double& x : c.statev) x = bytes.number();
   for (double& x : c.props) x = bytes.number();
+  c.J_hat = bytes.number();
 
   const host::Call before = c;
   message.clear();
@@ -72,6 +75,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   bool finite = n > 0;
   for (int i = 0; i < n; ++i) finite = finite && std::isfinite(c.stress[i]);
   for (int i = 0; i < n * n; ++i) finite = finite && std::isfinite(c.ddsdde(i));
+  if (c.is_hybrid() && message.empty()) finite = finite && std::isfinite(c.K) && std::isfinite(c.dK_dJ);
   if (!finite) {
     require(c.pnewdt <= 0.25, "no result, and no smaller step asked for", before);
     require(rules::same_bits(c.statev, before.statev), "no result, and STATEV was touched", before);

@@ -29,21 +29,33 @@ struct Call {
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   double dtime = 0.1, pnewdt = 1;
   int ntens = 6;
+  double J_hat = 1;  // STRESS(NTENS+1) of a mixed element
 
   Eigen::Matrix<double, 6, 1> stress = Eigen::Matrix<double, 6, 1>::Constant(untouched);
   Eigen::Matrix<double, 6, 6> ddsdde = Eigen::Matrix<double, 6, 6>::Constant(untouched);
   double sse = untouched, spd = untouched, scd = untouched, rpl = untouched, drpldt = untouched;
   Eigen::Matrix<double, 6, 1> ddsddt = stress, drplde = stress;
+  double K = untouched, dK_dJ = untouched;  // STRESS(NTENS+2) and STRESS(NTENS+3) of a mixed element
+
+  bool is_hybrid() const { return props.size() > 17 && props[17] == 1; }
 
   Call& run(Umat* umat = umat_) {
     const int ndi = 3, nshr = 3, kstep = 1, kinc = 1;
     const int nprops = static_cast<int>(props.size()), nstatv = static_cast<int>(statev.size());
     const double six[6] = {}, time[2] = {}, temp = 0, predef = 0, celent = 1;
     const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
-    umat(stress.data(), statev.data(), ddsdde.data(), &sse, &spd, &scd, &rpl, ddsddt.data(), drplde.data(),
-         &drpldt, six, six, time, &dtime, &temp, &temp, &predef, &predef, nullptr, &ndi, &nshr, &ntens,
-         &nstatv, props.data(), &nprops, nullptr, one.data(), &pnewdt, &celent, one.data(), F.data(), nullptr,
-         nullptr, nullptr, nullptr, &kstep, &kinc);
+    const bool longer = is_hybrid() && ntens >= 0 && ntens <= 6;  // STRESS is, by three entries
+    double given[9] = {stress[0], stress[1], stress[2], stress[3], stress[4], stress[5]};
+    double* extra = given + (longer ? ntens : 6);
+    if (longer) extra[0] = J_hat, extra[1] = K, extra[2] = dK_dJ;
+    umat(longer ? given : stress.data(), statev.data(), ddsdde.data(), &sse, &spd, &scd, &rpl, ddsddt.data(),
+         drplde.data(), &drpldt, six, six, time, &dtime, &temp, &temp, &predef, &predef, nullptr, &ndi, &nshr,
+         &ntens, &nstatv, props.data(), &nprops, nullptr, one.data(), &pnewdt, &celent, one.data(), F.data(),
+         nullptr, nullptr, nullptr, nullptr, &kstep, &kinc);
+    if (longer) {
+      for (int i = 0; i < ntens; ++i) stress[i] = given[i];
+      J_hat = extra[0], K = extra[1], dK_dJ = extra[2];
+    }
     return *this;
   }
 };
