@@ -167,15 +167,15 @@ static void test_check(void) {
     CHECK(message[0] == '\0');
   }
   for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
-    double props[18] = {0}, F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, state[n_state] = {0}, stress[9];
+    double props[19] = {0}, F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, state[n_state] = {0}, stress[9];
     memcpy(props, table_1, sizeof table_1);
     props[bad[k].entry] = bad[k].value;
-    CHECK(myogrowth_check(props, 18, message, message_length) == MYOGROWTH_BAD_PARAMETER);
+    CHECK(myogrowth_check(props, 19, message, message_length) == MYOGROWTH_BAD_PARAMETER);
     CHECK_TEXT(message, bad[k].named);
     CHECK_TEXT(message, bad[k].allowed);
-    CHECK(myogrowth_check(props, 18, NULL, 0) == MYOGROWTH_BAD_PARAMETER);
+    CHECK(myogrowth_check(props, 19, NULL, 0) == MYOGROWTH_BAD_PARAMETER);
     char again[message_length];
-    CHECK(myogrowth_update(props, 18, F, state, state, n_state, 0.1, MYOGROWTH_FIRST_PIOLA, stress, NULL,
+    CHECK(myogrowth_update(props, 19, F, state, state, n_state, 0.1, MYOGROWTH_FIRST_PIOLA, stress, NULL,
                            NULL, again, message_length) == MYOGROWTH_BAD_PARAMETER);
     CHECK(strcmp(again, message) == 0);
     CHECK(all_nan(stress, 9) && state[0] == 0);
