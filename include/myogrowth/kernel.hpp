@@ -135,6 +135,67 @@ GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T&, const
   return can ? solve_growth(material.growth, material.removal, G_n, lambda, dt) : GrowthStep<T>{nan, nan, 0};
 }
 
+/// What the law needs of F. From H = F - I, so that small strains keep their digits.
+template <class T>
+struct Deformation {
+  T J_minus_1;
+  T b_minus_I[6];  ///< F F^T - I
+  T f[3], lambda;  ///< F n and its length
+};
+
+template <class T>
+void deform(const T F[9], const T n[3], Deformation<T>& d) {
+  const Real<T> one(1);
+  const T H11 = F[0] - one, H21 = F[1], H31 = F[2];
+  const T H12 = F[3], H22 = F[4] - one, H32 = F[5];
+  const T H13 = F[6], H23 = F[7], H33 = F[8] - one;
+  const T minor11 = H22 * H33 - H23 * H32;
+  d.J_minus_1 = (H11 + H22 + H33) + (H11 * H22 - H12 * H21 + H11 * H33 - H13 * H31 + minor11) +
+                (H11 * minor11 - H12 * (H21 * H33 - H23 * H31) + H13 * (H21 * H32 - H22 * H31));
+  d.b_minus_I[0] = H11 + H11 + (H11 * H11 + H12 * H12 + H13 * H13);
+  d.b_minus_I[1] = H22 + H22 + (H21 * H21 + H22 * H22 + H23 * H23);
+  d.b_minus_I[2] = H33 + H33 + (H31 * H31 + H32 * H32 + H33 * H33);
+  d.b_minus_I[3] = H12 + H21 + (H11 * H21 + H12 * H22 + H13 * H23);
+  d.b_minus_I[4] = H13 + H31 + (H11 * H31 + H12 * H32 + H13 * H33);
+  d.b_minus_I[5] = H23 + H32 + (H21 * H31 + H22 * H32 + H23 * H33);
+  for (int i = 0; i < 3; ++i) d.f[i] = F[i] * n[0] + F[i + 3] * n[1] + F[i + 6] * n[2];
+  d.lambda = sqrt(d.f[0] * d.f[0] + d.f[1] * d.f[1] + d.f[2] * d.f[2]);
+}
+
+/// All that follows from the deformation and the grown state, without a branch on either.
+template <class T, class P>
+void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G, PointUpdate<T>& out) {
+  using V = Real<T>;
+  const V one(1);
+  const bool grown = material.energy == EnergyPer::grown_volume;
+  const T per_G = one / G;
+  const T G_minus_1 = G - one;
+  const T ln_Je = log1p(T((d.J_minus_1 - G_minus_1) * per_G));
+  out.G = G;
+  out.lambda_e = d.lambda / G;
+  out.Je = (one + d.J_minus_1) / G;
+  out.c1 = grown ? T(G * material.c1) : T(material.c1);
+  out.c2 = grown ? T(G * material.c2) : T(material.c2);
+  const T pressure = out.c1 * ln_Je;
+  // b_e - I = (F F^T - I) - (G^2 - 1) fe⊗fe, the square written as in F F^T: F = F_g is exactly stress-free.
+  const T square_minus_1 = G_minus_1 + G_minus_1 + G_minus_1 * G_minus_1;
+  const T fe[3] = {d.f[0] / G, d.f[1] / G, d.f[2] / G};
+  const T fefe[6] = {fe[0] * fe[0], fe[1] * fe[1], fe[2] * fe[2],
+                     fe[0] * fe[1], fe[0] * fe[2], fe[1] * fe[2]};
+  // dtau/dG at fixed F = -c1/G I - 2 c2/G fe⊗fe, and for grown_volume, where tau = G tau_ref, + tau/G.
+  const T dtau_I = -out.c1 * per_G, dtau_fe = -(out.c2 + out.c2) * per_G;
+  T trace(V(0));
+  for (int i = 0; i < 6; ++i) {
+    const T be_minus_I = d.b_minus_I[i] - square_minus_1 * fefe[i];
+    out.be[i] = i < 3 ? T(one + be_minus_I) : be_minus_I;
+    out.tau[i] = i < 3 ? T(pressure + out.c2 * be_minus_I) : T(out.c2 * be_minus_I);
+    out.dtau_dG[i] = i < 3 ? T(dtau_I + dtau_fe * fefe[i]) : T(dtau_fe * fefe[i]);
+    if (grown) out.dtau_dG[i] = out.dtau_dG[i] + out.tau[i] * per_G;
+    if (i < 3) trace = trace + be_minus_I;
+  }
+  out.psi = (pressure * ln_Je + out.c2 * (trace - (ln_Je + ln_Je))) / V(2);
+}
+
 }  // namespace detail
 
 /// One step of length dt [time] to the deformation gradient F[9], from the sarcomere number G_n, with the
@@ -153,57 +214,18 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
     return detail::fail(finite ? Status::no_fibre : Status::not_finite, G_n, out);
   }
 
-  // Kinematics from H = F - I, so that small strains keep their digits.
-  const V one(1);
-  const T H11 = F[0] - one, H21 = F[1], H31 = F[2];
-  const T H12 = F[3], H22 = F[4] - one, H32 = F[5];
-  const T H13 = F[6], H23 = F[7], H33 = F[8] - one;
-  const T minor11 = H22 * H33 - H23 * H32;
-  const T J_minus_1 = (H11 + H22 + H33) + (H11 * H22 - H12 * H21 + H11 * H33 - H13 * H31 + minor11) +
-                      (H11 * minor11 - H12 * (H21 * H33 - H23 * H31) + H13 * (H21 * H32 - H22 * H31));
-  out.J = one + J_minus_1;
+  detail::Deformation<T> d;
+  detail::deform(F, n, d);
+  out.J = V(1) + d.J_minus_1;
   if (!is_finite(out.J)) return detail::fail(Status::not_finite, G_n, out);
   if (!(value(out.J) > 0)) return detail::fail(Status::inverted, G_n, out);
-  T be_minus_I[6] = {
-      H11 + H11 + (H11 * H11 + H12 * H12 + H13 * H13), H22 + H22 + (H21 * H21 + H22 * H22 + H23 * H23),
-      H33 + H33 + (H31 * H31 + H32 * H32 + H33 * H33), H12 + H21 + (H11 * H21 + H12 * H22 + H13 * H23),
-      H13 + H31 + (H11 * H31 + H12 * H32 + H13 * H33), H23 + H32 + (H21 * H31 + H22 * H32 + H23 * H33)};
-  for (int i = 0; i < 3; ++i) out.f[i] = F[i] * n[0] + F[i + 3] * n[1] + F[i + 6] * n[2];
-  const T* f = out.f;
-  out.lambda = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  out.lambda = d.lambda;
+  for (int i = 0; i < 3; ++i) out.f[i] = d.f[i];
 
   const GrowthStep<T> step = detail::grow(material, G_n, lambda_n, out.lambda, dt, std::is_same<P, V>());
-  const T& G = step.G;
-  out.G = G;
   out.dG_dlambda = step.dG_dlambda;
   out.iterations = step.iterations;
-  out.lambda_e = out.lambda / G;
-  out.Je = out.J / G;
-
-  const bool grown = material.energy == EnergyPer::grown_volume;
-  const T per_G = one / G;
-  const T G_minus_1 = G - one;
-  const T ln_Je = log1p(T((J_minus_1 - G_minus_1) * per_G));
-  out.c1 = grown ? T(G * material.c1) : T(material.c1);
-  out.c2 = grown ? T(G * material.c2) : T(material.c2);
-  const T pressure = out.c1 * ln_Je;
-  // b_e - I = (F F^T - I) - (G^2 - 1) fe⊗fe, the square written as in F F^T: F = F_g is exactly stress-free.
-  const T square_minus_1 = G_minus_1 + G_minus_1 + G_minus_1 * G_minus_1;
-  const T fe[3] = {f[0] / G, f[1] / G, f[2] / G};
-  const T fefe[6] = {fe[0] * fe[0], fe[1] * fe[1], fe[2] * fe[2],
-                     fe[0] * fe[1], fe[0] * fe[2], fe[1] * fe[2]};
-  // dtau/dG at fixed F = -c1/G I - 2 c2/G fe⊗fe, and for grown_volume, where tau = G tau_ref, + tau/G.
-  const T dtau_I = -out.c1 * per_G, dtau_fe = -(out.c2 + out.c2) * per_G;
-  for (int i = 0; i < 6; ++i) {
-    be_minus_I[i] = be_minus_I[i] - square_minus_1 * fefe[i];
-    const T spherical_tau = i < 3 ? pressure : T(0), spherical_dtau = i < 3 ? dtau_I : T(0);
-    out.be[i] = i < 3 ? one + be_minus_I[i] : be_minus_I[i];
-    out.tau[i] = spherical_tau + out.c2 * be_minus_I[i];
-    out.dtau_dG[i] = spherical_dtau + dtau_fe * fefe[i];
-    if (grown) out.dtau_dG[i] = out.dtau_dG[i] + out.tau[i] * per_G;
-  }
-  const T trace = be_minus_I[0] + be_minus_I[1] + be_minus_I[2];
-  out.psi = (pressure * ln_Je + out.c2 * (trace - (ln_Je + ln_Je))) / V(2);
+  detail::stress(material, d, step.G, out);
 
   T sum = out.psi;
   for (int i = 0; i < 6; ++i) sum = sum + out.tau[i] * T(0) + out.dtau_dG[i] * T(0);
@@ -239,7 +261,7 @@ void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
                          zero,         b23,          b23,          h13,              h12,              (b2 + b3) / V(2)};
   // clang-format on
   for (int i = 0; i < 36; ++i) c[i] = elastic[i];
-  if (value(u.dG_dlambda) == 0) return;
+  if (is_zero(u.dG_dlambda)) return;
 
   const T* f = u.f;
   const T weight = u.dG_dlambda / u.lambda;

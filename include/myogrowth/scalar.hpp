@@ -52,6 +52,12 @@ bool is_finite(const T& x) {
   return value(x) - value(x) == 0;
 }
 
+/// Whether a term with this factor can be left out.
+template <class T>
+bool is_zero(const T& x) {
+  return value(x) == 0;
+}
+
 namespace detail {
 
 template <class T, class P>
