@@ -1,14 +1,16 @@
 // Abaqus/Standard UMAT of stretch-driven muscle growth: unpack, update, pack, report. docs/manual.md has
 // PROPS and STATEV.
 //
-// Nothing is remembered between calls, nothing throws, and CMNAME (whose hidden length some hosts leave out),
-// NOEL, NPT, COORDS, LAYER and KSPT, which many hosts do not fill, are never read.
+// Nothing is remembered between calls (save, where dump.hpp is on, how many it has written), nothing throws,
+// and CMNAME (whose hidden length some hosts leave out), NOEL, NPT, COORDS, LAYER and KSPT, which many hosts
+// do not fill, are never read.
 #include <cmath>
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
 #include <myogrowth/stress_states.hpp>
 
+#include "dump.hpp"
 #include "faults.hpp"
 #include "fortran_name.hpp"
 
@@ -68,10 +70,15 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   *rpl = *drpldt = 0;
   for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
 
+  const auto fail = [&](const char* fault) {  // STATEV is still as it came in, wherever this is called
+    abi::dump({ntens, nstatv, nprops, statev, props, dfgrd1, dtime, *pnewdt}, fault);
+    refuse(stress, ddsdde, ntens, *pnewdt);
+  };
+
   abi::Properties properties;
   abi::Text text;
   if (find_fault(ntens, nstatv, statev, props, nprops, properties, text)) {
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail(text);
     abi::report("UMAT", text, MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR), MYOGROWTH_FORTRAN(xit, XIT));
     return;
   }
@@ -85,7 +92,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   for (int i = 0; i < 9; ++i) all_zero = all_zero && (!given[i] || dfgrd1[i] == 0);
   for (int i = 0; i < 9; ++i) F[i] = given[i] && !all_zero ? dfgrd1[i] : F[i];
   if (properties.local_basis && !left_stretch(F, F)) {  // det F <= 0, or not finite
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail("inverted or not finite: F must be finite and det F > 0");
     return;
   }
 
@@ -99,7 +106,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     spatial_modulus(u, c);
   }
   if (u.status != Status::ok) {
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail(abi::text(u.status));
     return;
   }
 
@@ -116,7 +123,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     }
   }
   if (overflow != 0) {
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail(abi::text(Status::not_finite));
     return;
   }
   if (properties.tolerance > 0) {
