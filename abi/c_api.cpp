@@ -181,15 +181,11 @@ extern "C" {
 const char* myogrowth_status_text(int status) {
   switch (status) {
     case MYOGROWTH_OK:
-      return "ok";
     case MYOGROWTH_NOT_FINITE:
-      return "not finite: F, dt or a result is NaN or beyond the range of double";
     case MYOGROWTH_INVERTED:
-      return "inverted: det F must be > 0";
     case MYOGROWTH_NO_FIBRE:
-      return "no fibre: n0 must have a length > 0";
     case MYOGROWTH_BAD_STATE:
-      return "bad state: G must be >= 0, and G and the fibre finite";
+      return abi::text(static_cast<Status>(status));
     case MYOGROWTH_BAD_PARAMETER:
       return "bad parameter: an entry of props is missing or not allowed";
     case MYOGROWTH_BAD_ARGUMENT:

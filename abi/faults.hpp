@@ -23,6 +23,23 @@ using Text = char[400];
 #define MYOGROWTH_LIKE_PRINTF
 #endif
 
+/// Why the kernel gave no result.
+inline const char* text(Status status) {
+  switch (status) {
+    case Status::ok:
+      return "ok";
+    case Status::not_finite:
+      return "not finite: F, dt or a result is NaN or beyond the range of double";
+    case Status::inverted:
+      return "inverted: det F must be > 0";
+    case Status::no_fibre:
+      return "no fibre: n0 must have a length > 0";
+    case Status::bad_state:
+      return "bad state: G must be >= 0, and G and the fibre finite";
+  }
+  return "unknown status";
+}
+
 /// Formats like printf, cut to the room there is. Always true: "there is a fault".
 MYOGROWTH_LIKE_PRINTF inline bool tell(Text& text, const char* format, ...) {
   std::va_list arguments;

@@ -1,14 +1,16 @@
 // Abaqus/Standard UMAT of stretch-driven muscle growth: unpack, update, pack, report. docs/manual.md has
 // PROPS and STATEV.
 //
-// Nothing is remembered between calls, nothing throws, and CMNAME (whose hidden length some hosts leave out),
-// NOEL, NPT, COORDS, LAYER and KSPT, which many hosts do not fill, are never read.
+// Nothing is remembered between calls (save, where dump.hpp is on, how many it has written), nothing throws,
+// and CMNAME (whose hidden length some hosts leave out), NOEL, NPT, COORDS, LAYER and KSPT, which many hosts
+// do not fill, are never read.
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
 #include <myogrowth/mixed_volume.hpp>
 #include <myogrowth/stress_states.hpp>
 
+#include "dump.hpp"
 #include "fortran_name.hpp"
 #include "point.hpp"
 
@@ -53,13 +55,21 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   *rpl = *drpldt = 0;
   for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
 
+  const double* J_hat = nullptr;              // STRESS(NTENS+1), in a mixed element
+  const auto fail = [&](const char* fault) {  // STATEV is still as it came in, wherever this is called
+    abi::dump({ntens, nstatv, nprops, statev, props, dfgrd1, dtime, *pnewdt, J_hat}, fault);
+    refuse(stress, ddsdde, ntens, *pnewdt);
+  };
+
   abi::Properties properties;
   abi::Text text;
   if (find_fault(ntens, nstatv, statev, props, nprops, properties, text)) {
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail(text);
     abi::report("UMAT", text, MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR), MYOGROWTH_FORTRAN(xit, XIT));
     return;
   }
+
+  if (properties.hybrid) J_hat = stress + ntens;
 
   // Of DFGRD1, what the element type has: F_33 is not given in plane stress, and all is zero in some hosts
   // without NLGEOM.
@@ -70,7 +80,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   for (int i = 0; i < 9; ++i) all_zero = all_zero && (!given[i] || dfgrd1[i] == 0);
   for (int i = 0; i < 9; ++i) F[i] = given[i] && !all_zero ? dfgrd1[i] : F[i];
   if (properties.local_basis && !left_stretch(F, F)) {  // det F <= 0, or not finite
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail("inverted or not finite: F must be finite and det F > 0");
     return;
   }
 
@@ -81,21 +91,20 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   if (plane_stress_state) {
     const double in_plane[4] = {F[0], F[1], F[3], F[4]};
     plane_stress(properties.material, in_plane, properties.n0, G_n, lambda_n, dtime, thickness, u, c);
-  } else if (properties.hybrid) {
-    // STRESS goes on: J^ as given, then K = J d2U/dJ^2 and dK/dJ^ to be returned.
-    const double J_hat = stress[ntens];
+  } else if (J_hat) {
+    // STRESS goes on: after J^, which is given, K = J d2U/dJ^2 and dK/dJ^ to be returned.
     MixedVolume<double> volume{1, std::numeric_limits<double>::quiet_NaN()};
-    update_mixed(properties.material, F, properties.n0, G_n, lambda_n, dtime, J_hat, u, c, volume);
+    update_mixed(properties.material, F, properties.n0, G_n, lambda_n, dtime, *J_hat, u, c, volume);
     J = volume.J;
     stress[ntens + 1] = volume.K;
-    stress[ntens + 2] = mixed_dK_dJ(properties.material, F, properties.n0, G_n, lambda_n, dtime, J_hat);
+    stress[ntens + 2] = mixed_dK_dJ(properties.material, F, properties.n0, G_n, lambda_n, dtime, *J_hat);
     overflow += 0 * stress[ntens + 1] + 0 * stress[ntens + 2];
   } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) == Status::ok) {
     spatial_modulus(u, c);
   }
-  if (!properties.hybrid) J = u.J;
+  if (!J_hat) J = u.J;
   if (u.status != Status::ok) {
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail(abi::text(u.status));
     return;
   }
 
@@ -111,7 +120,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     }
   }
   if (overflow != 0) {
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    fail(abi::text(Status::not_finite));
     return;
   }
   if (properties.tolerance > 0) {

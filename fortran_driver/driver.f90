@@ -5,6 +5,7 @@ program driver
   use material_point, only: material
   use output, only: report, open_report
   use prescribed_path, only: run_path
+  use replay, only: run_replay
   use solver, only: run_element
   use text, only: str, stop_run, status_input
   use umat_interface, only: umat, load_umat
@@ -12,8 +13,8 @@ program driver
   save  ! or the leak checker takes for lost what the program still holds at its end
 
   character(len=*), parameter :: name = 'myogrowth_driver'
-  character(len=*), parameter :: options = '--out FOLDER, --umat FILE, --path FILE, --quiet, --help'
-  character(len=:), allocatable :: input_file, folder, umat_file, path_file
+  character(len=*), parameter :: options = '--out FOLDER, --umat FILE, --path FILE, --replay FILE, --quiet, --help'
+  character(len=:), allocatable :: input_file, folder, umat_file, path_file, replay_file
   type(settings) :: s
   type(material) :: m
   type(report) :: r
@@ -28,7 +29,9 @@ program driver
   if (folder /= '') s%folder = folder
   if (umat_file /= '') s%umat_file = umat_file
   call set_material()
-  if (path_file == '') then
+  if (replay_file /= '') then
+    call run_replay(replay_file, m%umat)
+  else if (path_file == '') then
     call open_report(s%folder, quiet, s%log_residuals, s%print_every, r)
     call run_element(s, m, r)
   else
@@ -46,6 +49,7 @@ contains
     folder = ''
     umat_file = ''
     path_file = ''
+    replay_file = ''
     quiet = .false.
     i = 1
     do while (i <= command_argument_count())
@@ -62,6 +66,8 @@ contains
         umat_file = value_after(i)
       case ('--path')
         path_file = value_after(i)
+      case ('--replay')
+        replay_file = value_after(i)
       case default
         if (index(argument, '-') == 1) then
           call stop_run(status_input, name//': unknown option '//argument//'; known: '//options)
@@ -72,6 +78,9 @@ contains
       end select
       i = i + 1
     end do
+    if (replay_file /= '' .and. (input_file /= '' .or. path_file /= '')) then
+      call stop_run(status_input, name//': --replay goes without INPUT.nml and --path')
+    end if
   end subroutine read_command_line
 
   function argument_at(i) result(argument)
@@ -109,7 +118,7 @@ contains
   end subroutine set_material
 
   subroutine print_help()
-    character(len=*), parameter :: text(17) = [character(len=100) :: &
+    character(len=*), parameter :: text(20) = [character(len=100) :: &
       'usage: myogrowth_driver [INPUT.nml] [options]', &
       '', &
       'Leads one 8-node brick through the loading in INPUT.nml, as an implicit finite-element code would:', &
@@ -120,6 +129,9 @@ contains
       '  --umat FILE    a shared library with the symbol umat_ to use instead of myogrowth''s', &
       '  --path FILE    no element: one UMAT call per row of FILE, a CSV file with the header', &
       '                 time,F11,F12,F13,F21,F22,F23,F31,F32,F33; also writes ddsdde.csv', &
+      '  --replay FILE  no element: the one UMAT call in FILE again, and what comes back. myogrowth''s', &
+      '                 UMAT writes such files into the folder that the environment variable', &
+      '                 MYOGROWTH_DUMP names, one for each call that gave no result', &
       '  --quiet        nothing on the screen but errors', &
       '  --help         this text', &
       '', &

@@ -4,7 +4,7 @@ module material_point
   use umat_interface, only: umat_routine
   implicit none
   private
-  public :: material, point, increment, new_point, update, tensor, ntens, identity
+  public :: determinant, material, point, increment, new_point, update, tensor, ntens, identity
 
   integer, parameter :: ntens = 6
   real(dp), parameter :: identity(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_dp, [3, 3])
@@ -49,7 +49,7 @@ contains
     real(dp), intent(in) :: F(3, 3), coords(3), length
     type(point), intent(inout) :: new
     real(dp), intent(out) :: ddsdde(ntens, ntens), pnewdt
-    real(dp) :: dstran(ntens), drot(3, 3), rpl, ddsddt(ntens), drplde(ntens), drpldt
+    real(dp) :: stress(ntens + 3), dstran(ntens), drot(3, 3), rpl, ddsddt(ntens), drplde(ntens), drpldt
     character(len=80) :: cmname
 
     cmname = 'MYOGROWTH'
@@ -63,10 +63,14 @@ contains
     drplde = 0
     drpldt = 0
     pnewdt = 1
-    call m%umat(new%stress, new%statev, ddsdde, new%energy(1), new%energy(2), new%energy(3), rpl, ddsddt, &
+    ! The element is no mixed one. A UMAT that takes it for one (PROPS(18) = 1) finds STRESS longer and its volume
+    ! ratio that of F, and the answer is the ordinary one.
+    stress = [new%stress, determinant(F), 0.0_dp, 0.0_dp]
+    call m%umat(stress, new%statev, ddsdde, new%energy(1), new%energy(2), new%energy(3), rpl, ddsddt, &
                 drplde, drpldt, new%strain, dstran, [inc%time, inc%time], inc%dtime, 0.0_dp, 0.0_dp, &
                 [0.0_dp], [0.0_dp], cmname, 3, 3, ntens, size(new%statev), m%props, size(m%props), &
                 coords, drot, pnewdt, length, old%F, F, 1, old%number, 1, 1, [1, 1, 1, 0], inc%number)
+    new%stress = stress(:ntens)
     new%strain = new%strain + dstran
     new%F = F
   end subroutine update
@@ -136,5 +140,12 @@ contains
 
     c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
   end function cross
+
+  pure real(dp) function determinant(a)
+    real(dp), intent(in) :: a(3, 3)
+
+    determinant = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
+                  + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
+  end function determinant
 
 end module material_point

@@ -4,6 +4,7 @@ test_driver.py DRIVER UMAT ELASTIC_UMAT SOURCE [unittest arguments]; every class
 """
 import csv
 import math
+import os
 import pathlib
 import re
 import subprocess
@@ -20,7 +21,7 @@ C1, C2, TAU, GAMMA, G_MAX, CRIT = 16.0, 4.0, 0.5, 2.0, 1.1, 1.01
 class Run:
     """A run of the driver in a folder of its own: what it printed, and its files."""
 
-    def __init__(self, *arguments, text=None, edit=None):
+    def __init__(self, *arguments, text=None, edit=None, dump=None):
         self.kept = tempfile.TemporaryDirectory(prefix="myogrowth_")  # removed with the run
         self.folder = pathlib.Path(self.kept.name)
         arguments = list(arguments)
@@ -32,7 +33,8 @@ class Run:
         if text is not None:
             (self.folder / "case.nml").write_text(text)
             arguments.insert(0, self.folder / "case.nml")
-        done = subprocess.run([DRIVER, *arguments, "--out", self.folder], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([DRIVER, *arguments, "--out", self.folder], capture_output=True, text=True, timeout=300,
+                              env={**os.environ, "MYOGROWTH_DUMP": str(dump or "")})
         self.status, self.screen, self.errors = done.returncode, done.stdout, done.stderr
 
     def rows(self, name="history.csv"):
@@ -266,6 +268,129 @@ class Path(unittest.TestCase):
         self.assertEqual(run.status, 2)
         self.assertIn("F.csv:3", run.errors)
         self.assertEqual(len(run.rows()), 1)
+
+
+class Replay(unittest.TestCase):
+    """What the UMAT writes into the folder of MYOGROWTH_DUMP where it gives no result, and the driver reads."""
+
+    HEALTHY, SPOILED = "0.2,1.1,0.1,0,0,0.9,0,0.05,0,1", "0.2,1.1,0.1,0,0,-0.9,0,0.05,0,1"
+    POINT = "&point\n ntens = 3\n dtime = 0.1\n pnewdt = 1\n dfgrd1 = 1, 0, 0, 0, 1, 0, 0, 0, 0\n" \
+            " nprops = 6\n props = 16, 4, 0.5, 2, 1.1, 1.01\n nstatv = 9\n statev = 0 0 0 0 0 0 0 0 0\n/\n"
+
+    def setUp(self):
+        kept = tempfile.TemporaryDirectory(prefix="myogrowth_")
+        self.addCleanup(kept.cleanup)
+        self.folder = pathlib.Path(kept.name)
+        self.dump = self.folder / "umat_1.nml"
+
+    def path(self, row, **options):
+        (self.folder / "F.csv").write_text(Path.HEAD + "0.1,1.05,0,0,0,1,0,0,0,1\n" + row + "\n")
+        run = Run("--path", self.folder / "F.csv", **options)
+        (self.folder / "F.csv").unlink()
+        return run
+
+    def replay(self, text=None):
+        if text is not None:
+            self.dump.write_text(text)
+        return Run("--replay", self.dump)
+
+    @staticmethod
+    def values(run, name):
+        found = re.search(rf"^{re.escape(name)} +(.*)$", run.screen, re.M)
+        return [float(x) for x in found.group(1).split()]
+
+    def test_a_row_of_a_path(self):
+        ordinary = self.path(self.HEALTHY, dump=self.folder)
+        self.assertEqual((ordinary.status, list(self.folder.iterdir())), (0, []))
+        self.assertEqual(self.path(self.SPOILED).status, 2)
+        self.assertEqual(list(self.folder.iterdir()), [])  # off by default
+        self.assertEqual(self.path(self.SPOILED, dump=self.folder).status, 2)
+        self.assertEqual(list(self.folder.iterdir()), [self.dump])
+        again = self.replay()
+        self.assertEqual((again.status, again.errors), (0, ""))
+        self.assertIn("verdict: refused; det DFGRD1 = -0.99 is not > 0\n"
+                      "when written: inverted: det F must be > 0\n", again.screen)
+        self.assertTrue(all(math.isnan(x) for x in self.values(again, "STRESS") + self.values(again, "DDSDDE(6,:)")))
+        self.assertEqual(self.values(again, "PNEWDT"), [0.25])
+        self.assertEqual(len(list(again.folder.iterdir())), 0)  # no history.csv
+        statev = self.values(again, "STATEV")
+        first = ordinary.rows()[0]
+        self.assertEqual(statev[:5], [first[name] for name in COLUMNS[1:6]])
+        # With a healthy F it is what comes after that row.
+        text = self.dump.read_text()
+        self.assertIn("0, -0.90000000000000002, 0,", text)
+        healed = self.replay(text.replace("0, -0.90000000000000002, 0,", "0, 0.9, 0,"))
+        self.assertEqual((healed.status, healed.errors), (0, ""))
+        self.assertIn("verdict: a result\n", healed.screen)
+        second = ordinary.rows()[1]
+        self.assertEqual(self.values(healed, "STRESS"), [second[name] for name in COLUMNS[6:12]])
+        self.assertEqual(self.values(healed, "STATEV")[:5], [second[name] for name in COLUMNS[1:6]])
+        D = ordinary.rows("ddsdde.csv")[1]
+        for i in range(1, 7):
+            self.assertEqual(self.values(healed, f"DDSDDE({i},:)"), [D[f"D{i}{j}"] for j in range(1, 7)])
+
+    def test_bad_props(self):
+        message = "PROPS(5) = 0.9: G_max, largest relative serial sarcomere number, must be finite and > 1."
+        run = Run(text="&material props = 16, 4, 0.5, 2, 0.9, 1.01 /\n", dump=self.folder)
+        self.assertEqual(run.status, 2)
+        again = self.replay()
+        self.assertEqual((again.status, again.errors), (0, f"myogrowth UMAT: {message}\n"))
+        self.assertIn("verdict: refused; DFGRD1 and DTIME are in order", again.screen)
+        self.assertIn(f"when written: {message}\n", again.screen)
+
+    def test_a_cut_back_in_the_element(self):
+        run = Run(CASES / "cutback.nml", dump=self.folder)
+        self.assertEqual(run.status, 0)
+        self.assertRegex(self.replay().screen, "verdict: refused; det DFGRD1 = -.*\nwhen written: inverted")
+
+    def test_other_elements(self):
+        for ntens, text in ((3, self.POINT), (4, self.POINT.replace("ntens = 3", "ntens = 4").replace("0\n np", "1\n np")),
+                            (3, self.POINT.replace("= 1, 0, 0, 0, 1,", "= 0, 0, 0, 0, 0,"))):
+            run = self.replay(text)
+            self.assertIn("verdict: a result\n", run.screen)
+            self.assertEqual(self.values(run, "STRESS"), [0]*ntens)
+        for change, words in (("ntens = 5", "NTENS = 5: must be 6"), ("ntens = 0", "NTENS = 0: must be 6")):
+            run = self.replay(self.POINT.replace("ntens = 3", change))
+            self.assertEqual(run.status, 0)
+            self.assertIn("verdict: refused", run.screen)
+            self.assertIn(words, run.errors)
+        run = self.replay(self.POINT.replace("1, 0, 0, 0, 1, 0", "1, 0, NaN, 0, -1, Infinity"))
+        self.assertIn("refused; det DFGRD1 = -1 is not > 0\n", run.screen)  # of the entries in the plane
+        run = self.replay(self.POINT.replace("dtime = 0.1", "dtime = NaN"))
+        self.assertIn("refused; DTIME is not finite\n", run.screen)
+        run = self.replay(self.POINT.replace("= 1, 0, 0,", "= -Infinity, 0, 0,"))
+        self.assertIn("refused; DFGRD1 or its determinant is not finite\n", run.screen)
+
+    def test_another_umat(self):
+        self.dump.write_text(self.POINT.replace("ntens = 3", "ntens = 6"))
+        run = Run("--replay", self.dump, "--umat", ELASTIC)
+        self.assertEqual((run.status, run.errors), (0, ""))
+        self.assertIn("verdict: a result\n", run.screen)
+
+    def test_what_is_wrong_with_a_file_is_named(self):
+        for old, new, words in (
+            (" dtime = 0.1\n", "", ":1: &point: dtime: is missing"),
+            (" statev = 0 0 0 0 0 0 0 0 0\n", "", ":1: &point: statev: is missing"),
+            ("dtime = 0.1", "dt = 0.1", ':3: &point: unknown variable "dt"; known: fault ntens dtime'),
+            ("dtime = 0.1", "dtime = soon", ':3: &point: dtime = soon: "soon" is not a number'),
+            ("ntens = 3", "ntens = 3.5", ":2: &point: ntens = 3.5: must be a whole number"),
+            ("ntens = 3", "ntens = 1001", ":2: &point: ntens = 1001: must be at most 1000"),
+            ("nprops = 6", "nprops = 7", "the number of values must be 7, is 6"),
+            ("16, 4, 0.5", "16, 2*4", '"2*4" is not a number'),
+            ("/\n", "", ":1: &point: is not closed by /"),
+            ("&point", "&material", ":1: &material: unknown group; known: &point"),
+            ("&point", "&point\n/\n&point", "one group, &point, is expected, found 2"),
+        ):
+            run = self.replay(self.POINT.replace(old, new))
+            self.assertEqual(run.status, 1)
+            self.assertIn(f"{self.dump}", run.errors)
+            self.assertIn(words, run.errors)
+            self.assertEqual(run.screen, "")
+        run = Run("--replay", self.folder / "no_such.nml")
+        self.assertEqual(run.status, 1)
+        self.assertIn("no_such.nml: cannot be opened", run.errors)
+        run = Run(CASES / "cube.nml", "--replay", self.dump)
+        self.assertEqual((run.status, run.errors), (1, "myogrowth_driver: --replay goes without INPUT.nml and --path\n"))
 
 
 class InputErrors(unittest.TestCase):
