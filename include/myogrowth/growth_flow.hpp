@@ -19,14 +19,14 @@ namespace myogrowth {
 namespace detail {
 
 /// What the flow needs of the step's equation: where it is at w, and the integrands there.
-template <class V>
+template <class V, int sign>
 struct Flow {
-  BracketedEquation<V> eq;
+  BracketedEquation<V, sign> eq;
   V u_n, room_end, q_end;
 
-  explicit Flow(const BracketedEquation<V>& equation)
+  explicit Flow(const BracketedEquation<V, sign>& equation)
       : eq(equation),
-        u_n(eq.sign * (eq.end - eq.G_n)),
+        u_n(sign * (eq.end - eq.G_n)),
         room_end(eq.end == eq.limit ? V(0) : eq.room(eq.end)),
         q_end(eq.end == eq.limit ? eq.q(eq.lambda, eq.end) : V(0)) {}
 
@@ -35,7 +35,7 @@ struct Flow {
   };
   At at(V w) const {
     const V u = u_n * exp(-w);
-    return {power(V((room_end + u) / eq.room_n), eq.gamma), q_end + eq.crit * u, eq.end - eq.sign * u, u};
+    return {power(V((room_end + u) / eq.room_n), eq.gamma), q_end + eq.crit * u, eq.end - sign * u, u};
   }
 };
 
@@ -46,8 +46,8 @@ struct FlowIntegrals {
 };
 
 /// By the ten-point Gauss-Legendre rule.
-template <class V>
-FlowIntegrals<V> integrate(const Flow<V>& flow, V w_0, V w_1) {
+template <class V, int sign>
+FlowIntegrals<V> integrate(const Flow<V, sign>& flow, V w_0, V w_1) {
   const V point[5] = {V(0.14887433898163121088482600112972L), V(0.43339539412924719079926594316579L),
                       V(0.67940956829902440623432736511487L), V(0.86506336668898451073209668842349L),
                       V(0.97390652851717172007796401208445L)};
@@ -57,7 +57,7 @@ FlowIntegrals<V> integrate(const Flow<V>& flow, V w_0, V w_1) {
   const V middle = (w_0 + w_1) / 2, half = (w_1 - w_0) / 2;
   FlowIntegrals<V> sum{0, 0};
   for (int i = 0; i < 10; ++i) {
-    const typename Flow<V>::At at = flow.at(middle + (i < 5 ? half : -half) * point[i % 5]);
+    const typename Flow<V, sign>::At at = flow.at(middle + (i < 5 ? half : -half) * point[i % 5]);
     const V f = weight[i % 5] * at.g * at.u / (at.kappa * at.q);
     sum.time += f;
     sum.sensitivity += f / at.q;
@@ -72,9 +72,9 @@ struct FlowResult {
   int iterations;
 };
 
-template <class V>
-FlowResult<V> follow(const Flow<V>& flow, V a) {
-  const BracketedEquation<V>& eq = flow.eq;
+template <class V, int sign>
+FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
+  const BracketedEquation<V, sign>& eq = flow.eq;
   // Short against the growth of the integrands, as far as anybody's gamma goes: the number of panels is
   // bounded.
   const V panel = 4 / (4 + (eq.gamma < 100 ? eq.gamma : V(100)));
@@ -97,7 +97,7 @@ FlowResult<V> follow(const Flow<V>& flow, V a) {
     for (int i = 0; i < 100; ++i) {
       ++iterations;
       const FlowIntegrals<V> some = integrate(flow, w, w + part);
-      const typename Flow<V>::At at = flow.at(w + part);
+      const typename Flow<V, sign>::At at = flow.at(w + part);
       const V step = (a - time - some.time) * at.kappa * at.q / (at.g * at.u);
       (step > 0 ? low : high) = part;
       V next = part + step;
@@ -107,8 +107,8 @@ FlowResult<V> follow(const Flow<V>& flow, V a) {
       if (moved <= 4 * std::numeric_limits<V>::epsilon() * (w + part)) break;
     }
     sensitivity += integrate(flow, w, w + part).sensitivity;
-    const typename Flow<V>::At at = flow.at(w + part);
-    const V G = eq.G_n - eq.sign * flow.u_n * expm1(-(w + part));
+    const typename Flow<V, sign>::At at = flow.at(w + part);
+    const V G = eq.G_n - sign * flow.u_n * expm1(-(w + part));
     const V speed = at.kappa * at.q / at.g;
     return {G, speed * sensitivity, speed * eq.G_n / eq.q(eq.lambda, eq.G_n), iterations};
   }
@@ -127,12 +127,12 @@ T carried(const FlowResult<V>& r, const T&, const T&, std::true_type) {
   return r.G;
 }
 
-template <class T>
-GrowthStep<T> follow(const GrowthEquation<Real<T>>& equation, const T& G_n, const T& lambda) {
+template <class T, int sign>
+GrowthStep<T> follow(const GrowthEquation<Real<T>, sign>& equation, const T& G_n, const T& lambda) {
   using V = Real<T>;
-  const BracketedEquation<V> eq(equation, value(G_n), value(lambda));
+  const BracketedEquation<V, sign> eq(equation, value(G_n), value(lambda));
   if (!(eq.A > 0)) return {G_n, T(0), 0};
-  FlowResult<V> r = follow(Flow<V>(eq), V(eq.A / eq.E));
+  FlowResult<V> r = follow(Flow<V, sign>(eq), V(eq.A / eq.E));
   if (!eq.before(eq.G_n, r.G)) r.G = eq.G_n;
   if (!eq.before(r.G, eq.end)) r.G = eq.end;
   return {carried(r, G_n, lambda, std::is_same<T, V>()), T(r.dG_dlambda), r.iterations};
@@ -150,10 +150,10 @@ GrowthStep<T> flow_growth(const GrowthRate<V>& growth, const RemovalRate<V>& rem
   static_assert(std::is_same<V, Real<T>>::value, "the flow takes parameters that are plain numbers");
   const V G = value(G_n), stretch = value(lambda);
   if (dt > 0 && stretch > growth.lambda_crit * G && G < growth.G_max) {
-    return detail::follow(detail::GrowthEquation<V>(growth, dt, G), G_n, lambda);
+    return detail::follow(detail::equation_of(growth, dt, G), G_n, lambda);
   }
   if (dt > 0 && removal.removal_time > 0 && stretch < removal.lambda_crit * G && G > removal.G_min) {
-    return detail::follow(detail::GrowthEquation<V>(growth, removal, dt, G), G_n, lambda);
+    return detail::follow(detail::equation_of(growth, removal, dt, G), G_n, lambda);
   }
   return {G_n, T(0), 0};
 }

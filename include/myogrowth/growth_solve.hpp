@@ -32,19 +32,38 @@ namespace detail {
 /// The step's equation without fractions, E sign G (G - G_n) = k(G) q(G), q = sign (lambda - crit G), for
 /// growth (sign = 1) and removal (-1). It is scaled by the growth number a = dt k_g(G_n) so that nothing
 /// overflows for any dt: (A, E) = (a, 1) for a <= 1 and (1, 1/a) beyond.
-template <class P>
+template <class P, int sign>
 struct GrowthEquation {
-  Real<P> sign;          ///< 1 or -1
   P limit, gamma, crit;  ///< G_max or G_min, and the exponent and threshold that go with it
   P A, E;
   Real<P> room_n;  ///< sign (limit - G_n), the unit in which what is left of the way is measured
 
-  GrowthEquation(const GrowthRate<P>& growth, const P& dt, Real<P> G_n)
-      : GrowthEquation(1, growth.G_max, growth.gamma, growth.lambda_crit, growth.G_max - P(1),
-                       dt / growth.growth_time, G_n) {}
-  GrowthEquation(const GrowthRate<P>& growth, const RemovalRate<P>& removal, const P& dt, Real<P> G_n)
-      : GrowthEquation(-1, removal.G_min, removal.gamma, removal.lambda_crit, growth.G_max - removal.G_min,
-                       dt / removal.removal_time, G_n) {}
+  /// growth_time: tau or tau_rev. width: limit's distance from where the capacity is 1.
+  GrowthEquation(const P& limit_, const P& gamma_, const P& crit_, const P& width, const P& dt,
+                 const P& growth_time, Real<P> G_n)
+      : limit(limit_),
+        gamma(gamma_),
+        crit(crit_),
+        A(1),
+        E(1),
+        room_n(sign > 0 ? value(limit_) - G_n : G_n - value(limit_)) {
+    const P a = dt / growth_time * power(P(room_n / width), gamma);
+    if (value(a) > 1) {
+      E = P(1) / a;
+    } else {
+      A = a;
+    }
+  }
+
+  /// The values of one that carries derivatives.
+  template <class Q>
+  explicit GrowthEquation(const GrowthEquation<Q, sign>& lifted)
+      : limit(value(lifted.limit)),
+        gamma(value(lifted.gamma)),
+        crit(value(lifted.crit)),
+        A(value(lifted.A)),
+        E(value(lifted.E)),
+        room_n(lifted.room_n) {}
 
   template <class T>
   T room(const T& G) const {
@@ -63,39 +82,42 @@ struct GrowthEquation {
   T done(const T& G, const T& G_n) const {
     return sign > 0 ? T(E * G * (G - G_n)) : T(E * G * (G_n - G));
   }
-  /// sign times the derivative of done - k q at the root. As k q = done there, nothing cancels in it.
+  /// room times sign times the derivative of done - k q at the root. As k q = done there, nothing cancels.
   template <class T>
-  T slope(const T& G, const T& G_n, const T& k) const {
-    return E * (G + G - G_n) + gamma * done(G, G_n) / room(G) + k * crit;
-  }
-
- private:
-  GrowthEquation(Real<P> sign_, const P& limit_, const P& gamma_, const P& crit_, const P& width,
-                 const P& steps, Real<P> G_n)
-      : sign(sign_),
-        limit(limit_),
-        gamma(gamma_),
-        crit(crit_),
-        A(1),
-        E(1),
-        room_n(sign_ > 0 ? value(limit_) - G_n : G_n - value(limit_)) {
-    const P a = steps * power(P(room_n / width), gamma);
-    (value(a) > 1 ? E : A) = value(a) > 1 ? P(P(1) / a) : a;
+  T room_times_slope(const T& G, const T& G_n, const T& k) const {
+    return (E * (G + G - G_n) + k * crit) * room(G) + gamma * done(G, G_n);
   }
 };
 
+/// The equation of growth, and of removal.
+template <class P>
+GrowthEquation<P, 1> equation_of(const GrowthRate<P>& growth, const P& dt, Real<P> G_n) {
+  return {growth.G_max, growth.gamma, growth.lambda_crit, growth.G_max - P(1), dt, growth.growth_time, G_n};
+}
+template <class P>
+GrowthEquation<P, -1> equation_of(const GrowthRate<P>& growth, const RemovalRate<P>& removal, const P& dt,
+                                  Real<P> G_n) {
+  return {removal.G_min,
+          removal.gamma,
+          removal.lambda_crit,
+          growth.G_max - removal.G_min,
+          dt,
+          removal.removal_time,
+          G_n};
+}
+
 /// The same equation on plain numbers, with the bracket of its root, from G_n to end.
-template <class V>
-struct BracketedEquation : GrowthEquation<V> {
+template <class V, int sign>
+struct BracketedEquation : GrowthEquation<V, sign> {
   V lambda, G_n, end;
 
-  BracketedEquation(const GrowthEquation<V>& equation, V G_n_, V lambda_)
-      : GrowthEquation<V>(equation), lambda(lambda_), G_n(G_n_), end(lambda_ / equation.crit) {
+  BracketedEquation(const GrowthEquation<V, sign>& equation, V G_n_, V lambda_)
+      : GrowthEquation<V, sign>(equation), lambda(lambda_), G_n(G_n_), end(lambda_ / equation.crit) {
     if (!before(end, this->limit)) end = this->limit;
   }
 
   /// Whether x comes before y on the way from G_n to end.
-  bool before(V x, V y) const { return this->sign > 0 ? x < y : x > y; }
+  static bool before(V x, V y) { return sign > 0 ? x < y : x > y; }
   /// k q - done: positive before the root.
   V to_do(V G) const { return this->k(G) * this->q(lambda, G) - this->done(G, G_n); }
 };
@@ -112,10 +134,10 @@ bool is_last_step(V step, V G, V room, V gamma) {
 /// A start before the root that is far better than G_n when the step is long. At the root k q is at most
 /// `bound`, which limits the distance u from the end of the bracket in three ways: by what is left of q or of
 /// k at the end itself, and by their product.
-template <class V>
-V long_step_start(const BracketedEquation<V>& eq) {
-  const V way = eq.sign * (eq.end - eq.G_n);
-  const V bound = eq.E * (eq.sign > 0 ? eq.end : eq.G_n) * way / eq.A;
+template <class V, int sign>
+V long_step_start(const BracketedEquation<V, sign>& eq) {
+  const V way = sign * (eq.end - eq.G_n);
+  const V bound = eq.E * (sign > 0 ? eq.end : eq.G_n) * way / eq.A;
   const V q_end = eq.q(eq.lambda, eq.end);
   const V k_end = eq.k(eq.end) / eq.A;
   V u = way;
@@ -126,13 +148,13 @@ V long_step_start(const BracketedEquation<V>& eq) {
   if (k_end > 0) tighten(bound / (eq.crit * k_end));
   tighten(eq.room_n * pow(bound / (eq.crit * eq.room_n), 1 / (eq.gamma + 1)));
   // A hair more keeps it before the root in spite of rounding.
-  const V start = eq.end - eq.sign * u * (1 + 64 * std::numeric_limits<V>::epsilon());
+  const V start = eq.end - sign * u * (1 + 64 * std::numeric_limits<V>::epsilon());
   return eq.before(eq.G_n, start) ? start : eq.G_n;
 }
 
 /// gamma = 0: the equation is quadratic in G, and the same for either sign.
-template <class V>
-V root_of_quadratic(const BracketedEquation<V>& eq) {
+template <class V, int sign>
+V root_of_quadratic(const BracketedEquation<V, sign>& eq) {
   const V b = eq.A * eq.crit - eq.E * eq.G_n;
   const V c = eq.A * eq.lambda;
   const V root = sqrt(b * b + 4 * eq.E * c);
@@ -141,8 +163,8 @@ V root_of_quadratic(const BracketedEquation<V>& eq) {
 
 /// Halves the way from G, before the root, to end, behind it, down to rounding: for parameters so far out
 /// (gamma in the hundreds) that Newton's method would take its time.
-template <class V>
-V bisect(const BracketedEquation<V>& eq, V G, V end, int& iterations) {
+template <class V, int sign>
+V bisect(const BracketedEquation<V, sign>& eq, V G, V end, int& iterations) {
   for (;;) {
     ++iterations;
     const bool far = end > 4 * G || G > 4 * end;
@@ -155,28 +177,29 @@ V bisect(const BracketedEquation<V>& eq, V G, V end, int& iterations) {
 /// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, monotone from G_n's side. A Newton step in
 /// k is one in G with the room left, room^gamma being proportional to k, shortened by its own factor. (For
 /// removal with 0 < gamma < 1 of more than half of G_n the step may pass the root, and bisection takes over.)
-template <class V>
-V newton(const BracketedEquation<V>& eq, V G, int& iterations) {
+template <class V, int sign>
+V newton(const BracketedEquation<V, sign>& eq, V G, int& iterations) {
   constexpr int patience = 64;  // three times what gamma = 20 takes
-  const V per_room = 1 / eq.room_n;
+  const Exponent<V> gamma_minus_1(eq.gamma - 1);
+  const V per_room = 1 / eq.room_n, gamma_per_room = eq.gamma * per_room;
   V last = G;
   while (iterations < patience) {
     ++iterations;
     const V room = eq.room(G);
     const V x = room * per_room;
-    const V k_over_x = eq.A * power(x, eq.gamma - 1);
-    const V k = k_over_x * x, minus_dk = eq.gamma * k_over_x * per_room, q = eq.q(eq.lambda, G);
+    const V k_over_x = eq.A * gamma_minus_1(x);
+    const V k = k_over_x * x, minus_dk = gamma_per_room * k_over_x, q = eq.q(eq.lambda, G);
     const V to_do = k * q - eq.done(G, eq.G_n);
+    const V slope = eq.E * (G + G - eq.G_n) + minus_dk * q + k * eq.crit;
     // Growth has a concave R, the equation over G; removal a convex equation as it stands.
-    const V slope = eq.E * (G + G - eq.G_n) + minus_dk * q + k * eq.crit + (eq.sign > 0 ? to_do / G : V(0));
-    V step = to_do / slope;
+    V step = sign > 0 ? to_do * G / (slope * G + to_do) : to_do / slope;
     if (eq.gamma < 1) step = -room * expm1(log1p(-eq.gamma * step / room) / eq.gamma);
-    const V next = G + eq.sign * step;
+    const V next = G + sign * step;
     if (!eq.before(G, next)) {
       const bool passed = -step > 16 * std::numeric_limits<V>::epsilon() * G && eq.before(last, G);
       return passed ? bisect(eq, last, G, iterations) : G;  // else at rounding level
     }
-    if (!eq.before(next, eq.end)) return eq.sign > 0 ? eq.end : bisect(eq, G, eq.end, iterations);
+    if (!eq.before(next, eq.end)) return sign > 0 ? eq.end : bisect(eq, G, eq.end, iterations);
     if (is_last_step(step, next, room, eq.gamma)) return next;
     last = G;
     G = next;
@@ -184,49 +207,39 @@ V newton(const BracketedEquation<V>& eq, V G, int& iterations) {
   return bisect(eq, G, eq.end, iterations);
 }
 
-template <class V>
-V growth_root(const BracketedEquation<V>& eq, int& iterations) {
+template <class V, int sign>
+V growth_root(const BracketedEquation<V, sign>& eq, int& iterations) {
   if (!(eq.gamma > std::numeric_limits<V>::epsilon())) {  // k is constant to rounding
     iterations = 1;
     return root_of_quadratic(eq);
   }
   // If an explicit step would leave the bracket, Newton from G_n would crawl: k falls by e a step.
-  const bool is_long = eq.A * eq.q(eq.lambda, eq.G_n) > eq.E * eq.G_n * eq.sign * (eq.end - eq.G_n);
+  const bool is_long = eq.A * eq.q(eq.lambda, eq.G_n) > eq.E * eq.G_n * sign * (eq.end - eq.G_n);
   const V start = is_long ? long_step_start(eq) : eq.G_n;
   return newton(eq, start, iterations);
 }
 
 /// Gives the converged value the derivatives that the scalar carries, by the implicit function theorem: one
 /// Newton step in T, whose value is nil and whose derivatives are those of the root.
-template <class T, class P, class V>
-T with_derivatives(const GrowthEquation<P>& eq, const T& G_n, const T& lambda, V G_end, std::false_type) {
+template <class T, class P, int sign, class V>
+T with_derivatives(const GrowthEquation<P, sign>& eq, const T& G_n, const T& lambda, V G_end,
+                   std::false_type) {
   const T G(G_end);
   const T k = eq.k(G);
-  const T correction = (eq.done(G, G_n) - k * eq.q(lambda, G)) / eq.slope(G, G_n, k);
-  return eq.sign > 0 ? T(G - correction) : T(G + correction);
+  const T correction = (eq.done(G, G_n) - k * eq.q(lambda, G)) * eq.room(G) / eq.room_times_slope(G, G_n, k);
+  return sign > 0 ? T(G - correction) : T(G + correction);
 }
 
-template <class T, class P>
-T with_derivatives(const GrowthEquation<P>&, const T&, const T&, T G_end, std::true_type) {
+template <class T, class P, int sign>
+T with_derivatives(const GrowthEquation<P, sign>&, const T&, const T&, T G_end, std::true_type) {
   return G_end;  // a plain number carries none
 }
 
-/// The parameters' values.
-template <class P>
-GrowthRate<Real<P>> values(const GrowthRate<P>& r) {
-  return {value(r.growth_time), value(r.gamma), value(r.G_max), value(r.lambda_crit)};
-}
-template <class P>
-RemovalRate<Real<P>> values(const RemovalRate<P>& r) {
-  return {value(r.removal_time), value(r.gamma), value(r.G_min), value(r.lambda_crit)};
-}
-
 /// The step that either equation makes.
-template <class T, class P>
-GrowthStep<T> solve(const GrowthEquation<Real<T>>& plain, const GrowthEquation<P>& lifted, const T& G_n,
-                    const T& lambda) {
+template <class T, class P, int sign>
+GrowthStep<T> solve(const GrowthEquation<P, sign>& lifted, const T& G_n, const T& lambda) {
   using V = Real<T>;
-  const BracketedEquation<V> eq(plain, value(G_n), value(lambda));
+  const BracketedEquation<V, sign> eq(GrowthEquation<V, sign>(lifted), value(G_n), value(lambda));
   if (!(eq.A > 0)) return {G_n, T(0), 0};  // dt k is below the smallest number
 
   int iterations = 0;
@@ -237,8 +250,8 @@ GrowthStep<T> solve(const GrowthEquation<Real<T>>& plain, const GrowthEquation<P
 
   const T G_end = with_derivatives(lifted, G_n, lambda, G, std::is_same<T, V>());
   const T k = lifted.k(G_end);
-  const T slope = lifted.slope(G_end, G_n, k);
-  return {G_end, value(slope) > 0 ? T(k / slope) : T(0), iterations};
+  const T slope = lifted.room_times_slope(G_end, G_n, k);
+  return {G_end, value(slope) > 0 ? T(k * lifted.room(G_end) / slope) : T(0), iterations};
 }
 
 }  // namespace detail
@@ -253,16 +266,14 @@ template <class T, class P>
 GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const RemovalRate<P>& removal, const T& G_n,
                            const T& lambda, const std::common_type_t<P>& dt) {
   using V = Real<T>;
-  const GrowthRate<V> up = detail::values(growth);
   const V G = value(G_n), stretch = value(lambda);
-  if (value(dt) > 0 && stretch > up.lambda_crit * G && G < up.G_max) {
-    return detail::solve(detail::GrowthEquation<V>(up, value(dt), G),
-                         detail::GrowthEquation<P>(growth, dt, G), G_n, lambda);
+  if (!(value(dt) > 0)) return {G_n, T(0), 0};
+  if (stretch > value(growth.lambda_crit) * G && G < value(growth.G_max)) {
+    return detail::solve(detail::equation_of(growth, dt, G), G_n, lambda);
   }
-  const RemovalRate<V> down = detail::values(removal);
-  if (value(dt) > 0 && down.removal_time > 0 && stretch < down.lambda_crit * G && G > down.G_min) {
-    return detail::solve(detail::GrowthEquation<V>(up, down, value(dt), G),
-                         detail::GrowthEquation<P>(growth, removal, dt, G), G_n, lambda);
+  if (value(removal.removal_time) > 0 && stretch < value(removal.lambda_crit) * G &&
+      G > value(removal.G_min)) {
+    return detail::solve(detail::equation_of(growth, removal, dt, G), G_n, lambda);
   }
   return {G_n, T(0), 0};
 }

@@ -58,29 +58,49 @@ bool is_zero(const T& x) {
   return value(x) == 0;
 }
 
-namespace detail {
+/// An exponent, looked at once: 0, 1/2, 1, ... 17/2 need multiplications and at most one square root.
+/// P: a real number, or a scalar that carries derivatives with respect to the exponent.
+template <class P>
+class Exponent {
+ public:
+  explicit Exponent(const P& exponent) : exponent_(exponent), whole_(-1), half_(false) {
+    look(std::is_floating_point<P>());
+  }
 
-template <class T, class P>
-T power_of(const T& x, const P& exponent, std::false_type) {
-  return pow(x, exponent);  // an exponent that carries derivatives of its own
-}
+  /// x^exponent for x >= 0.
+  template <class T>
+  T operator()(const T& x) const {
+    if (whole_ < 0) return pow(x, exponent_);
+    T product = half_ ? T(sqrt(x)) : T(Real<T>(1));
+    if (whole_ & 1) product = product * x;
+    if (whole_ > 1) {
+      const T x2 = x * x;
+      if (whole_ & 2) product = product * x2;
+      if (whole_ & 4) product = product * (x2 * x2);
+      if (whole_ & 8) product = product * ((x2 * x2) * (x2 * x2));
+    }
+    return product;
+  }
 
-template <class T, class P>
-T power_of(const T& x, const P& exponent, std::true_type) {
-  const int whole = exponent >= 0 && exponent < 9 ? static_cast<int>(exponent) : 0;
-  const P rest = exponent - static_cast<P>(whole);
-  if (rest != 0 && rest != P(0.5)) return pow(x, exponent);
-  T product = rest == 0 ? T(P(1)) : T(sqrt(x));
-  for (int i = 0; i < whole; ++i) product = product * x;
-  return product;
-}
+ private:
+  void look(std::true_type) {
+    if (!(exponent_ >= 0 && exponent_ < 9)) return;
+    const int whole = static_cast<int>(exponent_);
+    const P rest = exponent_ - static_cast<P>(whole);
+    half_ = rest == P(0.5);
+    if (rest == 0 || half_) whole_ = whole;
+  }
+  void look(std::false_type) {}
 
-}  // namespace detail
+  P exponent_;
+  int whole_;  // -1: by pow
+  bool half_;
+};
 
-/// x^exponent for x >= 0; by multiplication and at most one square root for 0, 1/2, 1, ... 17/2.
+/// x^exponent for x >= 0.
 template <class T, class P>
 T power(const T& x, const P& exponent) {
-  return detail::power_of(x, exponent, std::is_floating_point<P>());
+  return Exponent<P>(exponent)(x);
 }
 
 }  // namespace myogrowth
