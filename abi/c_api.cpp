@@ -91,11 +91,11 @@ int check(const double* props, int n_props, const Point& first, Common& common, 
 
 void convert(int measure, const double* F, const PointUpdate<double>& u, double* stress, double* tangent) {
   double c[36];
-  if (tangent) spatial_modulus(u, c);
+  if (tangent && measure != MYOGROWTH_CAUCHY) spatial_modulus(u, c);
   switch (measure) {
     case MYOGROWTH_CAUCHY:
       cauchy_from_kirchhoff(u.J, u.tau, stress);
-      if (tangent) ddsdde_from_jaumann(u.J, c, tangent);
+      if (tangent) spatial_modulus(u, tangent, 1 / u.J);
       return;
     case MYOGROWTH_FIRST_PIOLA:
       first_piola_from_kirchhoff(F, u.tau, stress);

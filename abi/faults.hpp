@@ -58,16 +58,16 @@ bool find_props_fault(const R* props, int nprops, Properties& properties, Text& 
                 "NPROPS = %d: at least %d constants are needed: c1, c2, tau, gamma, G_max, lambda_crit.",
                 nprops, n_props_required);
   }
-  const int n = nprops < n_props ? nprops : n_props;
-  double known[n_props];
-  for (int i = 0; i < n; ++i) known[i] = static_cast<double>(props[i]);
-  if (n > tau_rev_entry && known[tau_rev_entry] > 0 && n < hybrid_entry) {
+  if (nprops > tau_rev_entry && props[tau_rev_entry] > 0 && nprops < hybrid_entry) {
     return tell(text,
                 "NPROPS = %d: with PROPS(14) = tau_rev > 0, PROPS(15:17) are needed: gamma_rev, G_min, "
                 "lambda_crit_rev.",
                 nprops);
   }
-  const int bad = read(known, n, properties);
+  double known[n_props];
+  for (int i = 0; i < n_props; ++i)
+    known[i] = i < nprops ? static_cast<double>(props[i]) : property(i).initial;
+  const int bad = read(known, properties);
   if (bad >= 0) {
     const Property& p = property(bad);
     return tell(text, "PROPS(%d) = %.*g: %s, %s, must be finite and %s.", bad + 1, digits, known[bad],

@@ -4,6 +4,7 @@
 #define MYOGROWTH_ABI_PROPERTIES_HPP
 
 #include <myogrowth/kernel.hpp>
+#include <utility>
 
 namespace myogrowth {
 namespace abi {
@@ -45,9 +46,10 @@ constexpr int fibre_entry = 5;        ///< index of the first of the fibre's thr
 constexpr int thickness_entry = 8;    ///< index of the thickness stretch in STATEV
 constexpr int n_statev_required = 1;  ///< G has to be remembered
 
-/// Entry i < n_props of PROPS.
-inline const Property& property(int i) {
-  static constexpr Property table[n_props] = {
+/// The tables; a template so that they are one in a program, also in C++14.
+template <class Unused = void>
+struct Tables {
+  static constexpr Property property[n_props] = {
       {"c1", "stress", "first Lame constant", 0, Allowed::bulk_positive},
       {"c2", "stress", "second Lame constant (shear modulus)", 0, Allowed::positive},
       {"tau", "time", "time constant of growth", 0, Allowed::positive},
@@ -75,12 +77,7 @@ inline const Property& property(int i) {
       {"hybrid", "-", "1: mixed elements of Abaqus/Standard, with HYBRID FORMULATION=TOTAL", 0,
        Allowed::zero_or_one},
   };
-  return table[i];
-}
-
-/// Entry i < n_statev of STATEV.
-inline const StateVariable& state_variable(int i) {
-  static constexpr StateVariable table[n_statev] = {
+  static constexpr StateVariable state_variable[n_statev] = {
       {"G", "relative serial sarcomere number; 0 on entry: not initialised, taken as 1"},
       {"lambda_e", "elastic fibre stretch lambda/G (relative sarcomere length)"},
       {"lambda", "total fibre stretch"},
@@ -91,8 +88,17 @@ inline const StateVariable& state_variable(int i) {
       {"n0_3", "(third component)"},
       {"F33", "thickness stretch, with plane stress alone (NTENS = 3); 0 on entry: not initialised"},
   };
-  return table[i];
-}
+};
+template <class Unused>
+constexpr Property Tables<Unused>::property[n_props];
+template <class Unused>
+constexpr StateVariable Tables<Unused>::state_variable[n_statev];
+
+/// Entry i < n_props of PROPS.
+inline const Property& property(int i) { return Tables<>::property[i]; }
+
+/// Entry i < n_statev of STATEV.
+inline const StateVariable& state_variable(int i) { return Tables<>::state_variable[i]; }
 
 /// What is allowed, in words.
 inline const char* text(Allowed allowed) {
@@ -151,17 +157,27 @@ struct Properties {
   bool hybrid;       ///< STRESS is three entries longer
 };
 
-/// Reads PROPS(1:n), n >= n_props_required, with the table's defaults for what is missing. Returns the index
-/// of the first entry that is not allowed (the entries beyond the table must be 0), or -1 if all are.
-inline int read(const double* props, int n, Properties& out) {
-  double p[n_props];
-  for (int i = 0; i < n_props; ++i) p[i] = i < n ? props[i] : property(i).initial;
-  for (int i = 0; i < n_props; ++i) {
-    const bool unused = i > tau_rev_entry && i < hybrid_entry && p[tau_rev_entry] == 0;
-    if (!is_allowed(unused ? Allowed::any : property(i).allowed, p[i], p)) return i;
-  }
-  for (int i = n_props; i < n; ++i) {
-    if (props[i] != 0) return i;
+/// What entry i must be among the others: where nothing is removed, removal's entries are not used.
+constexpr Allowed allowed(int i, const double* p) {
+  return i > tau_rev_entry && i < hybrid_entry && p[tau_rev_entry] == 0 ? Allowed::any
+                                                                        : Tables<>::property[i].allowed;
+}
+
+/// Whether all entries are allowed; entry by entry at compile time, since every call of every point asks.
+template <int... i>
+bool all_allowed(const double* p, std::integer_sequence<int, i...>) {
+  bool all = true;
+  const bool each[] = {(all = all & is_allowed(allowed(i, p), p[i], p))...};
+  (void)each;
+  return all;
+}
+
+/// Reads PROPS, all of it. Returns the index of the first entry that is not allowed, or -1 if all are.
+inline int read(const double (&p)[n_props], Properties& out) {
+  if (!all_allowed(p, std::make_integer_sequence<int, n_props>())) {
+    for (int i = 0; i < n_props; ++i) {
+      if (!is_allowed(allowed(i, p), p[i], p)) return i;
+    }
   }
   out.material.c1 = p[0];
   out.material.c2 = p[1];

@@ -49,6 +49,29 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
          abi::find_state_fault(statev, nstatv, properties.n0, text);
 }
 
+// Of DFGRD1, what the element type has: F_33 is not given in plane stress, and all is zero in some hosts
+// without NLGEOM.
+void take_deformation(const double* dfgrd1, int ntens, double F[9]) {
+  const bool solid = ntens == 6;
+  const bool given[9] = {true, true, solid, true, true, solid, solid, solid, ntens != 3};
+  for (int i = 0; i < 9; ++i) F[i] = given[i] ? dfgrd1[i] : i == 8 ? 1 : 0;
+  if (F[0] != 0) return;
+  bool all_zero = true;
+  for (int i = 0; i < 9; ++i) all_zero = all_zero && (!given[i] || F[i] == 0);
+  for (int i = 0; i < 9 && all_zero; ++i) F[i] = i % 4 == 0 ? 1 : 0;
+}
+
+// The first n components of tau and of c, whose columns are `rows` long, times 1/J. False if one is not
+// finite.
+template <int n>
+bool pack(const double* tau, const double* c, int rows, double per_J, double* stress, double* ddsdde) {
+  for (int j = 0; j < n; ++j) {
+    stress[j] = tau[j] * per_J;
+    for (int i = 0; i < n; ++i) ddsdde[i + n * j] = c[i + rows * j] * per_J;
+  }
+  return are_finite(stress, n) && are_finite(ddsdde, n * n);
+}
+
 void update_state(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
                   double* drplde, double* drpldt, double dtime, int ntens, int nstatv, const double* props,
                   int nprops, double* pnewdt, const double* dfgrd1) {
@@ -71,14 +94,8 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
 
   if (properties.hybrid) J_hat = stress + ntens;
 
-  // Of DFGRD1, what the element type has: F_33 is not given in plane stress, and all is zero in some hosts
-  // without NLGEOM.
-  const bool plane_stress_state = ntens == 3;
-  double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const bool given[9] = {true, true, ntens == 6, true, true, ntens == 6, ntens == 6, ntens == 6, ntens != 3};
-  bool all_zero = true;
-  for (int i = 0; i < 9; ++i) all_zero = all_zero && (!given[i] || dfgrd1[i] == 0);
-  for (int i = 0; i < 9; ++i) F[i] = given[i] && !all_zero ? dfgrd1[i] : F[i];
+  double F[9];
+  take_deformation(dfgrd1, ntens, F);
   if (properties.local_basis && !left_stretch(F, F)) {  // det F <= 0, or not finite
     fail("inverted or not finite: F must be finite and det F > 0");
     return;
@@ -86,41 +103,40 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
 
   PointUpdate<double> u;
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatv);
-  double overflow = 0;  // stays 0 as long as all is finite
-  double J = 0, c[36], thickness = nstatv > abi::thickness_entry ? statev[abi::thickness_entry] : 0;
-  if (plane_stress_state) {
+  double thickness = nstatv > abi::thickness_entry ? statev[abi::thickness_entry] : 0;
+  double c[36];
+  bool finite = true;
+  if (ntens == 3) {
     const double in_plane[4] = {F[0], F[1], F[3], F[4]};
     plane_stress(properties.material, in_plane, properties.n0, G_n, lambda_n, dtime, thickness, u, c);
+    if (u.status == Status::ok) {
+      const double plane[3] = {u.tau[0], u.tau[1], u.tau[3]};
+      finite = pack<3>(plane, c, 3, 1 / u.J, stress, ddsdde);
+    }
   } else if (J_hat) {
     // STRESS goes on: after J^, which is given, K = J d2U/dJ^2 and dK/dJ^ to be returned.
     MixedVolume<double> volume{1, std::numeric_limits<double>::quiet_NaN()};
     update_mixed(properties.material, F, properties.n0, G_n, lambda_n, dtime, *J_hat, u, c, volume);
-    J = volume.J;
-    stress[ntens + 1] = volume.K;
-    stress[ntens + 2] = mixed_dK_dJ(properties.material, F, properties.n0, G_n, lambda_n, dtime, *J_hat);
-    overflow += 0 * stress[ntens + 1] + 0 * stress[ntens + 2];
+    double* extra = stress + ntens + 1;
+    extra[0] = volume.K;
+    extra[1] = mixed_dK_dJ(properties.material, F, properties.n0, G_n, lambda_n, dtime, *J_hat);
+    finite = (ntens == 6 ? pack<6>(u.tau, c, 6, 1 / volume.J, stress, ddsdde)
+                         : pack<4>(u.tau, c, 6, 1 / volume.J, stress, ddsdde)) &&
+             are_finite(extra, 2);
   } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) == Status::ok) {
-    spatial_modulus(u, c);
-  }
-  if (!J_hat) J = u.J;
-  if (u.status != Status::ok) {
-    fail(abi::text(u.status));
-    return;
-  }
-
-  const int component[6] = {0, 1, plane_stress_state ? 3 : 2, 3, 4, 5};  // of the law, for each of the host's
-  const int modulus_size = plane_stress_state ? 3 : 6;
-  const double per_J = 1 / J;
-  for (int j = 0; j < ntens; ++j) {
-    stress[j] = u.tau[component[j]] * per_J;
-    overflow += 0 * stress[j];
-    for (int i = 0; i < ntens; ++i) {
-      ddsdde[i + ntens * j] = c[i + modulus_size * j] * per_J;
-      overflow += 0 * ddsdde[i + ntens * j];
+    const double per_J = 1 / u.J;
+    if (ntens == 6) {
+      spatial_modulus(u, ddsdde, per_J);
+      for (int i = 0; i < 6; ++i) stress[i] = u.tau[i] * per_J;
+      finite = are_finite(ddsdde, 36) && are_finite(stress, 6);
+    } else {
+      spatial_modulus(u, c, per_J);
+      for (int i = 0; i < 6; ++i) u.tau[i] *= per_J;
+      finite = pack<4>(u.tau, c, 6, 1, stress, ddsdde);
     }
   }
-  if (overflow != 0) {
-    fail(abi::text(Status::not_finite));
+  if (u.status != Status::ok || !finite) {
+    fail(abi::text(u.status != Status::ok ? u.status : Status::not_finite));
     return;
   }
   if (properties.tolerance > 0) {
@@ -129,7 +145,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   }
   *sse = u.psi;
   abi::write_state(u, statev, nstatv);
-  if (plane_stress_state && nstatv > abi::thickness_entry) statev[abi::thickness_entry] = thickness;
+  if (ntens == 3 && nstatv > abi::thickness_entry) statev[abi::thickness_entry] = thickness;
 }
 
 }  // namespace

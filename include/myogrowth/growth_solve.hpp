@@ -131,6 +131,19 @@ bool is_last_step(V step, V G, V room, V gamma) {
   return step <= of_G * G && step * (1 + gamma) <= 2 * of_room * room;
 }
 
+/// A start before the root for gamma >= 1: with the capacity's tangent at G_n in the place of the capacity,
+/// which is never below it (Bernoulli's inequality), the equation is quadratic in the way d = sign (G - G_n)
+/// made.
+template <class V, int sign>
+V short_step_start(const BracketedEquation<V, sign>& eq) {
+  const V fade = eq.gamma / eq.room_n, q = eq.q(eq.lambda, eq.G_n);
+  const V a = sign * eq.E - eq.A * fade * eq.crit, b = eq.E * eq.G_n + eq.A * (eq.crit + fade * q),
+          c = eq.A * q;
+  const V discriminant = b * b + 4 * a * c;  // never negative but by rounding
+  const V start = eq.G_n + sign * (c + c) / (b + sqrt(discriminant > 0 ? discriminant : V(0)));
+  return eq.before(start, eq.end) ? start : eq.G_n;
+}
+
 /// A start before the root that is far better than G_n when the step is long. At the root k q is at most
 /// `bound`, which limits the distance u from the end of the bracket in three ways: by what is left of q or of
 /// k at the end itself, and by their product.
@@ -215,7 +228,7 @@ V growth_root(const BracketedEquation<V, sign>& eq, int& iterations) {
   }
   // If an explicit step would leave the bracket, Newton from G_n would crawl: k falls by e a step.
   const bool is_long = eq.A * eq.q(eq.lambda, eq.G_n) > eq.E * eq.G_n * sign * (eq.end - eq.G_n);
-  const V start = is_long ? long_step_start(eq) : eq.G_n;
+  const V start = is_long ? long_step_start(eq) : eq.gamma >= 1 ? short_step_start(eq) : eq.G_n;
   return newton(eq, start, iterations);
 }
 

@@ -227,9 +227,9 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   out.iterations = step.iterations;
   detail::stress(material, d, step.G, out);
 
-  T sum = out.psi;
-  for (int i = 0; i < 6; ++i) sum = sum + out.tau[i] * T(0) + out.dtau_dG[i] * T(0);
-  if (!is_finite(sum) || !is_finite(out.lambda_e)) return detail::fail(Status::not_finite, G_n, out);
+  if (!are_finite(out.tau, 6) || !are_finite(out.dtau_dG, 6) || !is_finite(out.psi) ||
+      !is_finite(out.lambda_e))
+    return detail::fail(Status::not_finite, G_n, out);
   out.status = Status::ok;
   return out.status;
 }
@@ -241,34 +241,35 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   return update_point(material, F, n0, G_n, T(Real<T>(1)), dt, out);
 }
 
-/// Spatial modulus c[36] of the Jaumann rate of the Kirchhoff stress, J DDSDDE in Abaqus's terms.
-/// Consistent with the discrete update: d tau = c:D for a symmetric increment dF = D F.
+/// Spatial modulus c[36] of the Jaumann rate of the Kirchhoff stress, times a factor; with the factor 1/J it
+/// is Abaqus's DDSDDE. Consistent with the discrete update: d tau = c:D for a symmetric increment dF = D F.
 /// Unsymmetric where the muscle grows.
 template <class T>
-void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
+void spatial_modulus(const PointUpdate<T>& u, T c[36], const T& factor = T(Real<T>(1))) {
   using V = Real<T>;
-  const T half_c2 = u.c2 / V(2);
-  const T b1 = u.c2 * u.be[0], b2 = u.c2 * u.be[1], b3 = u.c2 * u.be[2];
-  const T b12 = u.c2 * u.be[3], b13 = u.c2 * u.be[4], b23 = u.c2 * u.be[5];
+  const T c1 = factor * u.c1, c2 = factor * u.c2, half_c2 = c2 / V(2), zero(0);
+  const T b1 = c2 * u.be[0], b2 = c2 * u.be[1], b3 = c2 * u.be[2];
+  const T b12 = c2 * u.be[3], b13 = c2 * u.be[4], b23 = c2 * u.be[5];
+  const T h1 = half_c2 * u.be[0], h2 = half_c2 * u.be[1], h3 = half_c2 * u.be[2];
   const T h12 = half_c2 * u.be[3], h13 = half_c2 * u.be[4], h23 = half_c2 * u.be[5];
-  const T zero(0), c1 = u.c1;
   // clang-format off
-  const T elastic[36] = {c1 + b1 + b1, c1,           c1,           b12,              b13,              zero,
-                         c1,           c1 + b2 + b2, c1,           b12,              zero,             b23,
-                         c1,           c1,           c1 + b3 + b3, zero,             b13,              b23,
-                         b12,          b12,          zero,         (b1 + b2) / V(2), h23,              h13,
-                         b13,          zero,         b13,          h23,              (b1 + b3) / V(2), h12,
-                         zero,         b23,          b23,          h13,              h12,              (b2 + b3) / V(2)};
+  const T elastic[36] = {c1 + b1 + b1, c1,           c1,           b12,     b13,     zero,
+                         c1,           c1 + b2 + b2, c1,           b12,     zero,    b23,
+                         c1,           c1,           c1 + b3 + b3, zero,    b13,     b23,
+                         b12,          b12,          zero,         h1 + h2, h23,     h13,
+                         b13,          zero,         b13,          h23,     h1 + h3, h12,
+                         zero,         b23,          b23,          h13,     h12,     h2 + h3};
   // clang-format on
-  for (int i = 0; i < 36; ++i) c[i] = elastic[i];
-  if (is_zero(u.dG_dlambda)) return;
-
+  if (is_zero(u.dG_dlambda)) {
+    for (int i = 0; i < 36; ++i) c[i] = elastic[i];
+    return;
+  }
   const T* f = u.f;
-  const T weight = u.dG_dlambda / u.lambda;
+  const T weight = factor * u.dG_dlambda / u.lambda;
   const T ff[6] = {f[0] * f[0], f[1] * f[1], f[2] * f[2], f[0] * f[1], f[0] * f[2], f[1] * f[2]};
   for (int j = 0; j < 6; ++j) {
     const T column = weight * ff[j];
-    for (int i = 0; i < 6; ++i) c[6 * j + i] = c[6 * j + i] + u.dtau_dG[i] * column;
+    for (int i = 0; i < 6; ++i) c[6 * j + i] = elastic[6 * j + i] + u.dtau_dG[i] * column;
   }
 }
 

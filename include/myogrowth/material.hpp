@@ -53,7 +53,7 @@ struct Update {
   /// Abaqus's DDSDDE, (1/J) d(J sigma) under the Jaumann rate [stress].
   Mat6<T> ddsdde() const {
     Mat6<T> d;
-    ddsdde_from_jaumann(point.J, jaumann_modulus().data(), d.data());
+    spatial_modulus(point, d.data(), T(Real<T>(1) / point.J));
     return d;
   }
   /// First Piola-Kirchhoff stress P [stress].

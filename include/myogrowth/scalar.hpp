@@ -52,6 +52,18 @@ bool is_finite(const T& x) {
   return value(x) - value(x) == 0;
 }
 
+/// Whether n numbers all are.
+template <class T>
+bool are_finite(const T* x, int n) {
+  Real<T> sum(0);
+  for (int i = 0; i < n; ++i) sum += value(x[i]);
+  if (is_finite(sum)) return true;  // else one is not, or the sum alone overflowed
+  for (int i = 0; i < n; ++i) {
+    if (!is_finite(x[i])) return false;
+  }
+  return true;
+}
+
 /// Whether a term with this factor can be left out.
 template <class T>
 bool is_zero(const T& x) {
