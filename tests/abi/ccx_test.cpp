@@ -188,6 +188,26 @@ TEST(Ccx, AHistoryOfSecondOrderWithRemovalIsTheCores) {
   EXPECT_LT(lowest, 0.99);
 }
 
+// All that CalculiX 2.20 can read of *INITIAL CONDITIONS: six entries, STATEV(5) = -1.
+TEST(Ccx, AFibreInTheFirstSixStateVariables) {
+  samples::Random r(73);
+  for (int i = 0; i < 100; ++i) {
+    const samples::Point p = samples::point(r, Kind::growing);
+    Call expected = call_of(p, true), c = expected;
+    expected.statev[2] = 0;
+    c.statev = {p.state.G, p.state.n0[0], p.state.n0[1], p.state.n0[2], -1, 0, 0, 0};
+    c.props[11] = expected.props[11] = i % 2;  // of second order: from lambda = 1, not from n0_2
+    Call n = c;
+    expected.ccx();
+    c.ccx();
+    n.native();
+    EXPECT_EQ(c.stress, expected.stress);
+    EXPECT_EQ(c.statev, expected.statev);
+    EXPECT_EQ(n.stress, expected.stress);
+    EXPECT_EQ(n.statev, expected.statev);
+  }
+}
+
 TEST(Ccx, NativeFindsItsPointInTheModel) {
   Call expected;
   expected.F(0, 0) = 1.1;
@@ -303,6 +323,9 @@ TEST_F(CcxBadInputDeathTest, InDepvarAndStatev) {
   c.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 0, 0, 1};
   c.statev.resize(2);
   expect_end(c, "\\*DEPVAR = 2: with PROPS\\(12\\) = 1");
+  c = Call();
+  c.statev = {0, 1, 0, 0, -1, 0};
+  expect_end(c, "STATEV\\(5\\) = -1.*at least 8");
   c = Call();
   c.statev[0] = -1;
   expect_end(c, "STATEV\\(1\\) = -1");
