@@ -6,6 +6,12 @@
 // Both take the second Piola-Kirchhoff stress S and dS/dE as they come, at any strain; CalculiX keeps the
 // symmetric part of dS/dE. (Its other Abaqus interface, @ABAQUSNL_, loses the factor J and the rotation.)
 // PROPS and STATEV are the UMAT's, docs/manual.md. Of the arguments only those are read that CalculiX fills.
+//
+// *INITIAL CONDITIONS of CalculiX 2.20 reads six state variables at most, and one point per card; so a fibre
+// may also come in STATEV(2:4), which STATEV(5) = -1 says (Je is never negative):
+//
+//   *INITIAL CONDITIONS, TYPE=SOLUTION
+//   element, point, G or 0, n0_1, n0_2, n0_3, -1.
 #include <atomic>
 #include <cstdlib>
 #include <limits>
@@ -30,10 +36,20 @@ using namespace myogrowth;
   std::_Exit(201);
 }
 
+// Puts a fibre that came in STATEV(2:4) where the UMAT has it.
+void move_fibre(double* statev, int nstatev) {
+  if (nstatev < 5 || !(statev[4] < 0)) return;
+  if (!abi::keeps_fibre(nstatev))
+    end_job("STATEV(5) = -1, a fibre in STATEV(2:4): *DEPVAR must be at least 8.");
+  for (int i = 0; i < 3; ++i) statev[abi::fibre_entry + i] = statev[1 + i];
+  for (int i = 1; i < 5; ++i) statev[i] = 0;
+}
+
 // One step at one point. `statev` comes in as at the beginning of the increment. pnewdt of CalculiX: -1
 // unless the increment is to be repeated, pnewdt times as long.
 void update_point_of_ccx(const double* F_given, double dtime, const double* props, int nprops, double* statev,
                          int nstatev, double S[6], double dS_dE[36], double& pnewdt) {
+  move_fibre(statev, nstatev);
   abi::Properties p;
   abi::Text text;
   if (abi::find_props_fault(props, nprops, p, text) || abi::find_hybrid_fault("CalculiX", p, text) ||

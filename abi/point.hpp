@@ -15,8 +15,8 @@ constexpr double cut_back = 0.25;  ///< factor on the time increment when a step
 /// The sarcomere number a step starts from; a STATEV that knows nothing yet starts with 1.
 inline double number_at_start(const double* statev) { return statev[0] == 0 ? 1 : statev[0]; }
 
-/// The factor on the time increment at which the time error of G meets its tolerance. Above 1 it is leave to
-/// enlarge.
+/// The factor on the time increment at which the time error of G meets its tolerance, with some safety. Above
+/// 1 it is leave to enlarge. Below 1 costs the increment, so a step that meets the tolerance has at least 1.
 inline double advised_factor(const Properties& p, double G_n, double lambda_n, double lambda, double dtime) {
   const double safety = 0.9, least = 0.25, most = 2;
   const FibreGrowth<double>& m = p.material;
@@ -26,6 +26,7 @@ inline double advised_factor(const Properties& p, double G_n, double lambda_n, d
                            : time_error_of_midpoint_flow(m.growth, m.removal, G_n, lambda_n, lambda, dtime);
   // Both errors are of second order in the step.
   const double factor = safety * std::sqrt(p.tolerance / error);
+  if (error <= p.tolerance && factor < 1) return 1;
   return factor < least ? least : factor < most ? factor : most;
 }
 

@@ -1,6 +1,6 @@
-// The UMAT, the VUMAT and the C API from four threads at once, on inputs that the threads share, for
-// ThreadSanitizer: no race, and the bits that one thread gets. A program of its own, because GoogleTest is
-// not built for that sanitizer. Returns 1 on a difference.
+// The UMAT, the VUMAT, the C API and CalculiX's routines from four threads at once, on inputs that the
+// threads share, for ThreadSanitizer: no race, and the bits that one thread gets. A program of its own,
+// because GoogleTest is not built for that sanitizer. Returns 1 on a difference.
 #include <myogrowth.h>
 
 #include <array>
@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "../support/ccx_host.hpp"
 #include "../support/umat_host.hpp"
 #include "../support/vumat_host.hpp"
 
@@ -128,14 +129,42 @@ void call_c_api(int round, Results& all) {
   }
 }
 
+// No faulty input: that ends the process.
+void call_ccx(int round, Results& all) {
+  const int n_props = static_cast<int>(oblique.size()), n_statev = n_state, kode = -100 - n_props, icmd = 1;
+  const int mi[] = {n_points}, iel = 1;
+  const double dtime = 0.1;
+  double before[n_state * n_points], after[n_state * n_points] = {};
+  for (int i = 0; i < n_state * n_points; ++i) before[i] = i % n_state ? 0 : 1 + 0.01 * (round % 5);
+  for (int point = 1; point <= n_points; ++point) {
+    const auto F = deformation(round, point);
+    double S[6], dS_dE[36], stiff[21], statev[n_state], pnewdt = -1;
+    for (int i = 0; i < n_state; ++i) statev[i] = before[i];
+    CCX(S, statev, dS_dE, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr,
+        nullptr, &dtime, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, &n_statev,
+        oblique.data(), &n_props, nullptr, nullptr, &pnewdt, nullptr, nullptr, F.data(), nullptr, nullptr,
+        nullptr, nullptr, nullptr, nullptr, 0);
+    all.insert(all.end(), S, S + 6);
+    all.insert(all.end(), dS_dE, dS_dE + 36);
+    all.insert(all.end(), statev, statev + n_state);
+    NATIVE(nullptr, &iel, &point, &kode, oblique.data(), nullptr, nullptr, nullptr, nullptr, nullptr,
+           F.data(), nullptr, nullptr, nullptr, &dtime, nullptr, nullptr, &icmd, nullptr, mi, &n_statev,
+           before, after, S, stiff, nullptr, nullptr, nullptr, &pnewdt, nullptr, 0);
+    all.insert(all.end(), S, S + 6);
+    all.insert(all.end(), stiff, stiff + 21);
+    all.push_back(pnewdt);
+  }
+  all.insert(all.end(), after, after + n_state * n_points);
+}
+
 // The routines in turn; `first` is another one for every thread, so that different ones meet.
 Results run(int first) {
-  void (*const routines[])(int, Results&) = {call_umat, call_vumat, call_c_api};
-  Results of[3];
+  void (*const routines[])(int, Results&) = {call_umat, call_vumat, call_c_api, call_ccx};
+  Results of[4];
   for (int round = 0; round < n_rounds; ++round) {
-    for (int i = 0; i < 3; ++i) routines[(first + i) % 3](round, of[(first + i) % 3]);
+    for (int i = 0; i < 4; ++i) routines[(first + i) % 4](round, of[(first + i) % 4]);
   }
-  for (int i = 1; i < 3; ++i) of[0].insert(of[0].end(), of[i].begin(), of[i].end());
+  for (int i = 1; i < 4; ++i) of[0].insert(of[0].end(), of[i].begin(), of[i].end());
   return of[0];
 }
 

@@ -372,6 +372,25 @@ TEST(Umat, AdvisesOnTheTimeIncrement) {
   }
 }
 
+// No cut is by less than a tenth: with 0.99, 0.999, ... cut follows cut until the host gives up.
+TEST(Umat, CutsAreNotForLittle) {
+  samples::Random r(47);
+  for (int i = 0; i < 200; ++i) {
+    Call start;
+    start.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 0, 0, double(i % 2), r.log_uniform(1e-7, 1e-3)};
+    start.statev = {1 + 0.05 * r.uniform(), 0, 1.05, 0, 0, 0, 0, 0};
+    start.F(0, 0) = 1.05 + 0.1 * r.uniform();
+    double dt = r.log_uniform(0.01, 10), factor = 0;
+    for (int cuts = 0; cuts < 15 && factor < 1; ++cuts, dt *= factor) {
+      Call c = start;
+      c.dtime = dt;
+      factor = c.run().pnewdt;
+      EXPECT_TRUE(factor < 0.9001 || factor == 1) << factor;
+    }
+    EXPECT_EQ(factor, 1);
+  }
+}
+
 TEST(Umat, ReportsTheFirstOfSeveralFaults) {
   Call c;
   c.props = {16, -4, -0.5, 2, 1.1, 1.01};
