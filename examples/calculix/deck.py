@@ -84,6 +84,16 @@ def steps_of_leg(case, start, end, end_layer):
     return [Step(before, first, min(max(first, longest), before), False), Step(last, last, last, True)]
 
 
+def planned_increments(s):
+    """How many increments CalculiX takes for a step that needs no cut-backs: each at most half as long again as the last."""
+    done, increment, count = 0.0, s.first, 0
+    while s.period - done > 1e-6 * s.period:
+        done += increment
+        increment = min(1.5 * increment, s.longest)
+        count += 1
+    return count
+
+
 def _lines(rows):
     return "\n".join(", ".join(map(str, row)) for row in rows)
 
@@ -115,6 +125,22 @@ def _fixed(case, mesh):
     return f"PROXIMAL, 3, 3\n{mesh.proximal[0] + 1}, 1, 2\n{on_x + 1}, 2, 2\n"
 
 
+def _state_in_restart_files(mesh):
+    """CalculiX 2.20 leaves the state variables out of its restart files (G would be 1 again, without a word) unless the
+    model has contact: so here is a node that never meets a face, 400 mm away."""
+    return f"""** Contact that never happens: without it CalculiX 2.20 forgets the state variables in a restart
+*SURFACE, NAME=NOWHERE_NODE, TYPE=NODE
+{mesh.proximal[0] + 1}
+*SURFACE, NAME=NOWHERE_FACE
+{len(mesh.hexes) + len(mesh.wedges)}, S2
+*SURFACE INTERACTION, NAME=NOWHERE
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR
+1., 1.
+*CONTACT PAIR, INTERACTION=NOWHERE, TYPE=NODE TO SURFACE
+NOWHERE_NODE, NOWHERE_FACE
+"""
+
+
 def model(case, mesh):
     """The part of the deck before the steps."""
     nodes = [f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(mesh.nodes.tolist(), 1)]
@@ -134,6 +160,7 @@ def model(case, mesh):
     if stiff.any():
         text.append(_set_of("ELSET", "TENDON", (np.flatnonzero(stiff) + 1).tolist()))
         text.append(_material("@ABAQUS_MYOGROWTH_CCX@TENDON", "TENDON", TENDON_STIFFNESS, NEVER, case))
+    text.append(_state_in_restart_files(mesh))
     text.append(f"""*AMPLITUDE, NAME=PULL, TIME=TOTAL TIME
 ** time [days], share of the stretch
 0., 0., {case.ramp:.10g}, 1., {case.duration + 1:.10g}, 1.
