@@ -2,6 +2,7 @@
 
     figures.py OUT      fig1_mesh.png, fig2_elastic_stretch.png, fig3_sections.png, fig4_sarcomere_number.png in OUT
 """
+import io
 import json
 import pathlib
 import sys
@@ -13,9 +14,11 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.gridspec import GridSpec  # noqa: E402
+from PIL import Image  # noqa: E402
 
 import cylinder_mesh  # noqa: E402
 import deck  # noqa: E402
+import elements  # noqa: E402
 import history  # noqa: E402
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"  # Okabe and Ito's, for all eyes
@@ -26,9 +29,11 @@ LAYOUT = {"font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "
 
 
 def save(fig, path):
-    # Few colours are enough for figures of lines and one colour map, and keep the files small.
-    fig.savefig(path, pil_kwargs={"optimize": True})
+    """With 256 colours: enough for lines and one colour map, and small files."""
+    picture = io.BytesIO()
+    fig.savefig(picture, format="png")
     plt.close(fig)
+    Image.open(picture).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def describe(case):
@@ -102,7 +107,7 @@ def draw_mesh(path, case):
 
 # ---- Figs 2 and 4: over time
 
-def draw_history(path, case, h, name, label, title, lines):
+def draw_history(path, case, h, name, label, title, level, level_text):
     fig, ax = plt.subplots(figsize=(6.6, 4.2))
     t = np.concatenate([[0.0], h["time"]])
     high, mean, low = (np.concatenate([[1.0], h[f"{name}_{what}"]]) for what in ("max", "mean", "min"))
@@ -110,10 +115,9 @@ def draw_history(path, case, h, name, label, title, lines):
     ax.plot(t, high, "o-", ms=2.6, lw=1.5, color=ORANGE, label="largest of all Gauss points")
     ax.plot(t, mean, "-", lw=1.5, color=BLUE, label="mean over the volume")
     ax.plot(t, low, "s-", ms=2.2, lw=1.2, color=GREEN, label="smallest")
-    for value, text, above in lines:
-        ax.axhline(value, color="0.5", lw=0.8, ls=":")
-        ax.annotate(text, (0.99, value), xycoords=("axes fraction", "data"), xytext=(0, 3 if above else -3),
-                    textcoords="offset points", ha="right", va="bottom" if above else "top", color="0.3", fontsize=8)
+    ax.axhline(level, color="0.5", lw=0.8, ls=":")
+    ax.annotate(level_text, (1, level), xycoords=("axes fraction", "data"), xytext=(4, 0), textcoords="offset points",
+                va="center", color="0.3", fontsize=8.5, annotation_clip=False)
     if name == "lambda_e":
         top = int(np.argmax(high))
         ax.annotate(f"{high[top]:.4f} on day {t[top]:.2f}", (t[top], high[top]), xytext=(10, 0), textcoords="offset points",
@@ -123,7 +127,7 @@ def draw_history(path, case, h, name, label, title, lines):
         ax.set_xticks(np.arange(0, t[-1] + 0.1, 7))
     ax.margins(y=0.1)
     ax.grid(alpha=0.25)
-    ax.set_title(f"{title}\n{describe(case)}; mesh “{case.size}”", loc="left")
+    ax.set_title(f"{title}; mesh “{case.size}”\n{describe(case)}", loc="left", fontsize=9)
     ax.legend(frameon=False, loc="center right", fontsize=8.5)
     fig.tight_layout()
     save(fig, path)
@@ -159,8 +163,6 @@ def on_section(mesh, cut, values):
 
 
 def current_places(mesh, displacement):
-    import elements
-
     moved = mesh.nodes + displacement
     return np.concatenate([elements.gauss_points(moved, cells)[0].reshape(-1, 3) for cells in mesh.elements()])
 
@@ -191,7 +193,7 @@ def draw_section(axes, mesh, cut, displacement, nodal, gauss, muscle, stiff_leve
                         mec="black" if marker == "^" else "white", mew=0.9, clip_on=False, zorder=5)
         pad = 0.6 if ax is not axes[1] else 0.6 * COMPRESSED
         ax.set(xlim=(window[0] - pad, window[1] + pad), ylim=(-10.8, 10.8))
-        ax.set_aspect(1.0 if ax is not axes[1] else 1 / COMPRESSED)
+        ax.set_aspect(1.0 if ax is not axes[1] else COMPRESSED)
         ax.set_yticks([-10, 0, 10])
         ax.tick_params(length=2.5, labelsize=7.5)
     axes[1].set_yticklabels([])
@@ -221,7 +223,7 @@ def draw_sections(path, case, fields, name, label, title):
         bar.set_ticks(np.linspace(*image.get_clim(), 3))
         bar.ax.set_yticklabels([f"{v:.4f}" for v in np.linspace(*image.get_clim(), 3)], fontsize=7.5)
         bar.outline.set_visible(False)
-        when = f"day {day:g}" if day % 7 else f"week {day / 7:g}"
+        when = "end of ramp" if day == case.ramp else f"day {day:g}" if day % 7 else f"week {day / 7:g}"
         axes[0].set_ylabel(f"{when}\nx [mm]", fontsize=8.5)
         if i == 0:
             for ax, text in zip(axes, ("proximal end, to scale", f"whole length, axis compressed {COMPRESSED:g} times",
@@ -246,12 +248,12 @@ def draw(out):
     with matplotlib.rc_context(LAYOUT):
         draw_mesh(out / names[0], case)
         draw_history(out / names[1], case, h, "lambda_e", r"elastic fibre stretch $\lambda_e$ [-]",
-                     "Relative sarcomere length (the paper's Fig. 2)", [(deck.LAMBDA_CRIT, r"$\lambda_{crit}$", False)])
+                     "Relative sarcomere length (the paper's Fig. 2)", deck.LAMBDA_CRIT, r"$\lambda_{crit}$")
         draw_sections(out / names[2], case, fields, "lambda_e", r"$\lambda_e$ [-]", "Elastic fibre stretch (the paper's Fig. 3)")
         limit = min(deck.G_MAX, stretch / deck.LAMBDA_CRIT)
-        text = r"$G_{max}$" if limit == deck.G_MAX else rf"{stretch:g} / $\lambda_{{crit}}$: where uniform growth ends"
+        text = r"$G_{max}$" if limit == deck.G_MAX else rf"${stretch:g}/\lambda_{{crit}}$"
         draw_history(out / names[3], case, h, "G", r"relative serial sarcomere number $G$ [-]",
-                     "Sarcomeres in series (the paper's Fig. 4)", [(limit, text, True)])
+                     "Sarcomeres in series (the paper's Fig. 4)", limit, text)
     return names
 
 
