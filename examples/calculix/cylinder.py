@@ -73,6 +73,10 @@ def arguments():
     return a
 
 
+class Interrupted(JobError):
+    """Ctrl-C, or a request to end."""
+
+
 class Progress:
     """One line that says how far the job is; on a terminal it is written over, elsewhere one line a leg."""
 
@@ -187,7 +191,7 @@ def run_legs(a, case, mesh, gauss, folder):
             try:
                 rows, state = run_leg(a, folder, name, gauss, progress)
             except KeyboardInterrupt:
-                raise JobError(f"\ninterrupted between day {start:g} and {end:g}; to go on from day {start:g}: "
+                raise Interrupted(f"\ninterrupted between day {start:g} and {end:g}; to go on from day {start:g}: "
                                "the same command with --resume") from None
             np.savez(folder / f"{name}.part.npz", rows=rows, state=state.astype(np.float32))
             if k + 1 < len(legs):
@@ -203,7 +207,7 @@ def run_legs(a, case, mesh, gauss, folder):
 
 def write_results(a, case, mesh, gauss, stiff, folder, rows, states):
     history.write(a.out / "history.csv", rows)
-    times, files, displacements, nodal = [], [], [], []
+    times, files, displacements = [], [], []
     for k, (_, day) in enumerate(deck.leg_times(case)):
         results = frd.read_frd(folder / f"leg{k}.frd")
         for name, cells, wanted in (("C3D8", results.hexes, mesh.hexes), ("C3D6", results.wedges, mesh.wedges)):
@@ -215,10 +219,9 @@ def write_results(a, case, mesh, gauss, stiff, folder, rows, states):
         vtu.write_fields(files[-1], mesh, fields, results.steps[-1].components, gauss.element_means(states[k]), stiff,
                          deck.fibre(case))
         displacements.append(fields["DISP"].astype(np.float32))
-        nodal.append(fields["SDV"].astype(np.float32))
     vtu.write_collection(a.out / "cylinder.pvd", times, files)
-    np.savez_compressed(a.out / "fields.npz", times=times, names=deck.STATE, displacement=displacements, nodal=nodal,
-                        gauss=states, element=gauss.elements, point=gauss.numbers, place=gauss.places, volume=gauss.volumes,
+    np.savez_compressed(a.out / "fields.npz", times=times, names=deck.STATE, displacement=displacements, gauss=states,
+                        element=gauss.elements, point=gauss.numbers, place=gauss.places, volume=gauss.volumes,
                         muscle=gauss.muscle)
 
 
@@ -249,10 +252,13 @@ def main():
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: ccx must not live on without us
     try:
         job(a)
+    except Interrupted as e:
+        print(e, file=sys.stderr)
+        sys.exit(130)
     except (JobError, frd.FormatError, ValueError, OSError) as e:
         print(e, file=sys.stderr)
         sys.exit(1)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt:  # while the results were written
         sys.exit(130)
 
 

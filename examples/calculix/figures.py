@@ -33,7 +33,7 @@ def save(fig, path):
     picture = io.BytesIO()
     fig.savefig(picture, format="png")
     plt.close(fig)
-    Image.open(picture).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    Image.open(picture).convert("RGB").quantize(256, kmeans=1, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def describe(case):
@@ -155,11 +155,33 @@ def section(mesh):
     return np.array([nodes for nodes, _ in ordered]), np.array([weights for _, weights in ordered])
 
 
-def on_section(mesh, cut, values):
-    """(levels, points, components) of (nodes, components)."""
+def on_section(cut, values):
+    """(levels, points, components) in the section of (levels, nodes of the disc, components)."""
     nodes, weights = cut
-    per_level = values.reshape(len(mesh.levels), len(mesh.proximal), -1)
-    return np.einsum("lpkc,pk->lpc", per_level[:, nodes], weights)
+    return np.einsum("lpkc,pk->lpc", values[:, nodes], weights)
+
+
+def in_layers(mesh, values):
+    """(layers, 2, nodes of the disc): values of the Gauss points at the bottom and the top of every layer.
+
+    Every layer has values of its own, linear in height: no average across layers, so that what jumps is seen to jump.
+    In the disc they go from the Gauss points to the corners of their element, where the mean of the elements is taken.
+    """
+    layers, disc = len(mesh.levels) - 1, len(mesh.proximal)
+    bottom = [cells[:len(cells) // layers, :cells.shape[1] // 2] for cells in mesh.elements()]
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # of the corners of a quadrilateral
+    gauss = np.array([[-1, -1], [1, -1], [-1, 1], [1, 1]])
+    to_corners = np.prod(1 + np.sqrt(3) * signs[:, None] * gauss[None], axis=2) / 4
+    n = 8 * len(mesh.hexes)
+    quads = values[:n].reshape(layers, -1, 2, 4) @ to_corners.T
+    triangles = np.repeat(values[n:].reshape(layers, -1, 2, 1), 3, axis=3)
+    total, count = np.zeros((disc, layers, 2)), np.zeros(disc)
+    for cells, corners in zip(bottom, (quads, triangles)):
+        np.add.at(total, cells, corners.transpose(1, 3, 0, 2))
+        np.add.at(count, cells, 1)
+    mean = (total / count[:, None, None]).transpose(1, 2, 0)
+    middle, half = mean.mean(axis=1), np.sqrt(3) / 2 * (mean[:, 1] - mean[:, 0])
+    return np.stack([middle - half, middle + half], axis=1)
 
 
 def current_places(mesh, displacement):
@@ -167,11 +189,18 @@ def current_places(mesh, displacement):
     return np.concatenate([elements.gauss_points(moved, cells)[0].reshape(-1, 3) for cells in mesh.elements()])
 
 
-def draw_section(axes, mesh, cut, displacement, nodal, gauss, muscle, stiff_levels):
+def draw_section(axes, mesh, cut, displacement, gauss, muscle, stiff_layers):
     """The three views of one time: proximal close-up, the whole, distal close-up. The image, for the colour bar."""
-    shape = on_section(mesh, cut, mesh.nodes + displacement)
+    shape = on_section(cut, (mesh.nodes + displacement).reshape(len(mesh.levels), -1, 3))
     z, x = shape[:, :, 2], shape[:, :, 0]
-    values = on_section(mesh, cut, nodal[:, None])[:, :, 0]
+    layers, points = len(z) - 1, z.shape[1]
+    values = np.stack([on_section(cut, v[:, :, None])[:, :, 0] for v in in_layers(mesh, gauss).transpose(1, 0, 2)], axis=1)
+    first = np.arange(points - 1)
+    pair = np.concatenate([np.column_stack([first, first + 1, first + points]),
+                           np.column_stack([first + 1, first + points + 1, first + points])])
+    drawn = np.setdiff1d(np.arange(layers), stiff_layers)
+    triangles = (drawn[:, None, None] * 2 * points + pair).reshape(-1, 3)
+    doubled = [np.stack([c[:-1], c[1:]], axis=1).ravel() for c in (z, x)]  # every level once for either layer
     places = current_places(mesh, displacement)
     inside = np.flatnonzero(muscle)
     extremes = [(inside[np.argmax(gauss[inside])], "^", "largest"), (inside[np.argmin(gauss[inside])], "v", "smallest")]
@@ -181,9 +210,9 @@ def draw_section(axes, mesh, cut, displacement, nodal, gauss, muscle, stiff_leve
     end = z[-1].mean()
     image = None
     for ax, window in zip(axes, ((0, CLOSE_UP), (0, end), (end - CLOSE_UP, end))):
-        image = ax.pcolormesh(z, x, values, shading="gouraud", cmap="viridis", vmin=low, vmax=high, rasterized=True)
-        for first, last in stiff_levels:
-            ax.fill_betweenx(x[first], z[first], z[last], color="0.75", lw=0)
+        image = ax.tripcolor(*doubled, triangles, values.ravel(), shading="gouraud", cmap="viridis", vmin=low, vmax=high)
+        for k in stiff_layers:
+            ax.fill_betweenx(x[k], z[k], z[k + 1], color="0.75", lw=0)
         ax.plot(z[:, 0], x[:, 0], z[:, -1], x[:, -1], z[0], x[0], z[-1], x[-1], color="0.2", lw=0.6)
         for point, marker, _ in extremes:
             place = places[point]
@@ -207,18 +236,16 @@ def draw_sections(path, case, fields, name, label, title):
     cut = section(mesh)
     column = fields["names"].tolist().index(name)
     times = fields["times"]
-    stiff = np.flatnonzero(np.bincount(mesh.layer_of_elements(), deck.tendon(case, mesh)) > 0)
-    runs = np.split(stiff, np.flatnonzero(np.diff(stiff) > 1) + 1) if len(stiff) else []
-    stiff_levels = [(run[0], run[-1] + 1) for run in runs]
+    stiff_layers = np.unique(mesh.layer_of_elements()[deck.tendon(case, mesh)])
 
     whole = (cylinder_mesh.LENGTH + case.pull) / COMPRESSED
-    fig = plt.figure(figsize=(9.6, 1.18 * len(times) + 1.1))
+    fig = plt.figure(figsize=(9.6, 1.18 * len(times) + 1.3))
     grid = GridSpec(len(times), 4, width_ratios=[CLOSE_UP, whole, CLOSE_UP, 2.2], hspace=0.5, wspace=0.12, left=0.085,
-                    right=0.925, top=1 - 0.78 / fig.get_figheight(), bottom=0.42 / fig.get_figheight())
+                    right=0.925, top=1 - 0.93 / fig.get_figheight(), bottom=0.42 / fig.get_figheight())
     for i, day in enumerate(times):
         axes = [fig.add_subplot(grid[i, k]) for k in range(3)]
-        image = draw_section(axes, mesh, cut, fields["displacement"][i].astype(float), fields["nodal"][i][:, column],
-                             fields["gauss"][i][:, column], fields["muscle"], stiff_levels)
+        image = draw_section(axes, mesh, cut, fields["displacement"][i].astype(float),
+                             fields["gauss"][i][:, column].astype(float), fields["muscle"], stiff_layers)
         bar = fig.colorbar(image, cax=fig.add_subplot(grid[i, 3]))
         bar.set_ticks(np.linspace(*image.get_clim(), 3))
         bar.ax.set_yticklabels([f"{v:.4f}" for v in np.linspace(*image.get_clim(), 3)], fontsize=7.5)
@@ -232,8 +259,8 @@ def draw_sections(path, case, fields, name, label, title):
         if i == len(times) - 1:
             for ax in axes:
                 ax.set_xlabel("z after the deformation [mm]", fontsize=8)
-    fig.suptitle(f"{title}: {label} in the plane y = 0, each time with its own colours\n{describe(case)}; mesh “{case.size}”; "
-                 "largest: △, smallest: ▼ (of all Gauss points)", fontsize=9.5, y=1 - 0.08 / fig.get_figheight(), va="top")
+    fig.suptitle(f"{title}: {label} in the plane y = 0, mesh “{case.size}”\n{describe(case)}\n"
+                 "each time with its own colours; △: largest, ▼: smallest of all Gauss points", fontsize=9.5, y=1 - 0.08 / fig.get_figheight(), va="top")
     save(fig, path)
 
 

@@ -100,6 +100,10 @@ class _Lines:
                                   self.line - (len(cells) - i) * lines_per_row)
             raise
 
+    def end_of(self, what):
+        if not self.next(f"-3, the end of {what}").startswith(b" -3"):
+            self.fail(f"expected -3, the end of {what}", self.line - 1)
+
     def integer(self, line, begin, end, expected):
         try:
             return int(line[begin:end])
@@ -114,7 +118,7 @@ def _read_nodes(lines, count):
         lines.fail("expected nodes in lines of 49 characters", lines.line - count)
     numbers = lines.numbers(grid, 3, 10, 1, int)[:, 0]
     places = lines.numbers(grid, 13, 12, 3, float)
-    lines.next("-3, the end of the nodes")
+    lines.end_of("the nodes")
     return numbers, places
 
 
@@ -129,12 +133,12 @@ def _read_elements(lines, count):
         kind = lines.integer(head, 13, 18, "the type of the element")
         if kind not in corners:
             lines.fail(f"element type {kind}: expected 1 (C3D8) or 2 (C3D6)", lines.line - 1)
+        found[kind][0].append(lines.integer(head, 3, 13, "an element number"))
         row = lines.next("the nodes of an element: -2, numbers")
         if row[:3] != b" -2" or len(row) != 3 + 10 * corners[kind]:
             lines.fail(f"expected -2 and {corners[kind]} node numbers", lines.line - 1)
-        found[kind][0].append(lines.integer(head, 3, 13, "an element number"))
         found[kind][1].append([lines.integer(row, i, i + 10, "a node number") for i in range(3, len(row), 10)])
-    lines.next("-3, the end of the elements")
+    lines.end_of("the elements")
     return {kind: (np.array(numbers, dtype=int), np.array(cells, dtype=int).reshape(-1, corners[kind]))
             for kind, (numbers, cells) in found.items()}
 
@@ -165,7 +169,7 @@ def _read_field(lines, rows, node_numbers):
             lines.fail(f"expected {what}", lines.line - rows * lines_per_row)
         values.append(lines.numbers(grid, begin, 12, here, float, lines_per_row))
     numbers = lines.numbers(grid, 3, 10, 1, int, lines_per_row)[:, 0]
-    lines.next("-3, the end of the field")
+    lines.end_of("the field")
     place = np.searchsorted(node_numbers, numbers)
     if (place >= len(node_numbers)).any() or (node_numbers[place] != numbers).any():
         lines.fail(f"{name} is written for nodes that the mesh does not have", head)
@@ -238,12 +242,14 @@ class Dat:
 
     @staticmethod
     def _block(lines, job_has_ended):
-        """A block, or None where there is none, or not all of it yet: it is all there when an empty line follows it."""
+        """A block, or None where there is none, or not all of it yet. A sum of forces is one line; state variables are all
+        there when an empty line follows them."""
         text = lines.text
         while text.startswith(b"\n", lines.at):
             lines.next("")
         head_end = text.find(b"\n\n", lines.at)
-        end = text.find(b"\n\n", head_end + 2) if head_end >= 0 else -1
+        one_line = text.startswith(b" total force", lines.at)
+        end = text.find(b"\n" if one_line else b"\n\n", head_end + 2) if head_end >= 0 else -1
         if end < 0 and job_has_ended and head_end >= 0 and text.endswith(b"\n"):
             end = len(text) - 1
         if end < 0:
