@@ -546,22 +546,19 @@ class Job(Folder):
         self.assertAlmostEqual(means.mean(), back.point_data["lambda_e"].mean(), delta=1e-3)
         self.assertTrue(h["lambda_e_min"][-1] <= means.min() and means.max() <= h["lambda_e_max"][-1])
 
-    def test_half_way_is_the_law_of_one_point(self):
-        # A tenfold finer ramp of the law alone: backward Euler with the times of the history.
-        _, out = self.run_job("run", "--duration", 7)
-        h, fields = history.read(out / "history.csv"), np.load(out / "fields.npz")
+    def test_free_ends_are_the_law_of_one_point(self):
+        # With free ends the stretch is 10 % everywhere: eq. 4 by backward Euler, by bisection, at the times of the history.
+        _, out = self.run_job("run", "--ends", "free", "--duration", 7)
+        h = history.read(out / "history.csv")
         G, t_last = 1.0, 0.0
-        half_way = np.abs(fields["place"][:, 2] - 200) < 30
-        stretch_at_end = fields["gauss"][-1][half_way, deck.STATE.index("lambda")].mean()
-        for t in h["time"]:
-            stretch = 1 + (stretch_at_end - 1) * min(t, 1.0)
-            low, high = G, stretch
+        for t, mean in zip(h["time"], h["G_mean"]):
+            stretch, low, high = 1 + 0.1 * min(t, 1.0), G, 1.1
             for _ in range(60):
                 x = (low + high) / 2
-                k = (max(1.1 - x, 0) / 0.1) ** 2 / 0.5 * max(stretch / x - 1.01, 0)
-                low, high = (x, high) if G + (t - t_last) * k > x else (low, x)
+                rate = (max(1.1 - x, 0) / 0.1) ** 2 / 0.5 * max(stretch / x - 1.01, 0)
+                low, high = (x, high) if G + (t - t_last) * rate > x else (low, x)
             G, t_last = low, t
-        self.assertAlmostEqual(fields["gauss"][-1][half_way, 0].mean(), G, delta=3e-5)
+            self.assertAlmostEqual(mean, G, delta=1e-5)
 
     def test_legs_are_the_same_as_one_job(self):
         case = deck.Case("tiny", duration=7)
@@ -605,7 +602,7 @@ class Job(Folder):
                 peaks[name] = {k: float(v) for k, v in list(csv.DictReader(f))[-1].items()}
             if name == "free":  # uniaxial tension: all points are alike, and the sides become thinner alike
                 fields = np.load(out / "fields.npz")
-                self.assertLess(np.ptp(fields["gauss"][-1][:, 1]), 3e-6)
+                self.assertLess(np.ptp(fields["gauss"][-1][:, 1]), 3e-5)
                 m = cylinder_mesh.mesh("tiny")
                 rim = np.isclose(np.hypot(m.nodes[:, 0], m.nodes[:, 1]), 10)
                 inward = np.einsum("ni,ni->n", fields["displacement"][-1][rim, :2], m.nodes[rim, :2]) / 10
