@@ -92,7 +92,8 @@ def deck(size):
     nodes = [f"{i}, {x:.9g}, {y:.9g}, {z:.9g}" for i, (x, y, z) in enumerate(m.nodes.tolist(), 1)]
 
     def lines(cells, label):
-        return "\n".join(", ".join(map(str, row)) for row in np.column_stack([label + np.arange(len(cells)), cells + 1]).tolist())
+        numbered = np.column_stack([label + np.arange(len(cells)), cells + 1]).tolist()
+        return "\n".join(", ".join(map(str, row)) for row in numbered)
 
     n_hex, n_wedge, layers = len(m.hexes), len(m.wedges), len(m.levels) - 1
     half = layers // 2

@@ -144,10 +144,10 @@ NOWHERE_NODE, NOWHERE_FACE
 def model(case, mesh):
     """The part of the deck before the steps."""
     nodes = [f"{i}, {x:.12g}, {y:.12g}, {z:.12g}" for i, (x, y, z) in enumerate(mesh.nodes.tolist(), 1)]
-    text, label = [f"""** myogrowth: biceps femoris as a cylinder, {len(mesh.hexes)} C3D8 and {len(mesh.wedges)} C3D6. mm, kPa, mN, days
+    text, label = [f"""** myogrowth: biceps femoris as a cylinder, {len(mesh.hexes)} C3D8 and {len(mesh.wedges)} C3D6
+** Units: mm, kPa, mN, days
 *NODE, NSET=ALL
-"""], 1
-    text.append("\n".join(nodes) + "\n")
+""", "\n".join(nodes) + "\n"], 1
     for kind, cells in (("C3D8", mesh.hexes), ("C3D6", mesh.wedges)):
         numbered = np.column_stack([label + np.arange(len(cells)), cells + 1]).tolist()
         text.append(f"*ELEMENT, TYPE={kind}, ELSET=ALL\n{_lines(numbered)}\n")
@@ -171,8 +171,8 @@ def model(case, mesh):
 
 def step(case, s):
     """One *STEP. FREQUENCY is one setting for all requests in CalculiX, so fields are asked for in steps of their own;
-    a card with nothing under it takes back what the step before asked for."""
-    fields = "*NODE FILE\nU, RF\n*EL FILE\nS, SDV\n" if s.output else "*NODE FILE\n*EL FILE\n"
+    a card with nothing under it takes back what the step before asked for. The leg's last step writes the restart file."""
+    fields = "*NODE FILE\nU, RF\n*EL FILE\nS, SDV\n*RESTART, WRITE\n" if s.output else "*NODE FILE\n*EL FILE\n"
     return f"""*STEP, NLGEOM, INC=1000
 *STATIC
 {s.first:.10g}, {s.period:.10g}, {1e-6 * s.period:.10g}, {s.longest:.10g}
@@ -182,8 +182,7 @@ DISTAL, 3, 3, {case.pull:.12g}
 SDV
 *NODE PRINT, NSET=DISTAL, TOTALS=ONLY
 RF
-{fields}*RESTART, WRITE
-*END STEP
+{fields}*END STEP
 """
 
 

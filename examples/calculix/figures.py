@@ -98,10 +98,11 @@ def draw_mesh(path, case):
                                           (1, "distal end, moved along the axis", (layers - depth, layers), length, 1)):
         ax = fig.add_subplot(grid[1, column])
         show_mesh(ax, skin(mesh, levels), np.array([45.0, -60, z + side * 80]), np.array([0, 0, z - side * 14]), 0.4)
-        ax.set_title(f"{name}: the last {mesh.levels[depth]:.0f} mm", pad=2)
+        ax.set_title(f"{name}: {mesh.levels[depth]:.0f} mm of it", pad=2)
+    heights = np.diff(mesh.levels)
+    graded = f" to {heights.max():.3g}" if np.ptp(heights) > 1e-6 else ""
     fig.suptitle(f"Mesh “{case.size}”: {len(mesh.hexes):,} C3D8 + {len(mesh.wedges):,} C3D6, {len(mesh.nodes):,} nodes, "
-                 f"{layers} layers of {np.diff(mesh.levels).min():.3g}"
-                 + (f" to {np.diff(mesh.levels).max():.3g}" if np.ptp(np.diff(mesh.levels)) > 1e-6 else "") + " mm", fontsize=10.5)
+                 f"{layers} layers of {heights.min():.3g}{graded} mm", fontsize=10.5)
     save(fig, path)
 
 
@@ -260,7 +261,8 @@ def draw_sections(path, case, fields, name, label, title):
             for ax in axes:
                 ax.set_xlabel("z after the deformation [mm]", fontsize=8)
     fig.suptitle(f"{title}: {label} in the plane y = 0, mesh “{case.size}”\n{describe(case)}\n"
-                 "each time with its own colours; △: largest, ▼: smallest of all Gauss points", fontsize=9.5, y=1 - 0.08 / fig.get_figheight(), va="top")
+                 "each time with its own colours; △: largest, ▼: smallest of all Gauss points",
+                 fontsize=9.5, y=1 - 0.08 / fig.get_figheight(), va="top")
     save(fig, path)
 
 
@@ -276,7 +278,8 @@ def draw(out):
         draw_mesh(out / names[0], case)
         draw_history(out / names[1], case, h, "lambda_e", r"elastic fibre stretch $\lambda_e$ [-]",
                      "Relative sarcomere length (the paper's Fig. 2)", deck.LAMBDA_CRIT, r"$\lambda_{crit}$")
-        draw_sections(out / names[2], case, fields, "lambda_e", r"$\lambda_e$ [-]", "Elastic fibre stretch (the paper's Fig. 3)")
+        draw_sections(out / names[2], case, fields, "lambda_e", r"$\lambda_e$ [-]",
+                      "Elastic fibre stretch (the paper's Fig. 3)")
         limit = min(deck.G_MAX, stretch / deck.LAMBDA_CRIT)
         text = r"$G_{max}$" if limit == deck.G_MAX else rf"${stretch:g}/\lambda_{{crit}}$"
         draw_history(out / names[3], case, h, "G", r"relative serial sarcomere number $G$ [-]",

@@ -19,7 +19,7 @@ class GaussPoints:
         self.volumes = np.concatenate([volumes.ravel() for _, volumes in parts])  # (points,) mm^3
         per_element = np.concatenate([np.full(len(v), v.shape[1]) for _, v in parts])
         self.elements = np.repeat(np.arange(len(stiff)) + 1, per_element)  # (points,) element numbers
-        self.numbers = np.concatenate([np.tile(np.arange(v.shape[1]) + 1, len(v)) for _, v in parts])  # (points,) in the element
+        self.numbers = np.concatenate([np.tile(np.arange(v.shape[1]) + 1, len(v)) for _, v in parts])  # (points,) from 1
         self.muscle = ~stiff[self.elements - 1]  # (points,)
 
     def check(self, printed):

@@ -108,7 +108,8 @@ class Elements(unittest.TestCase):
         m = cylinder_mesh.mesh("tiny")
         F = np.array([[1.1, 0.02, 0.03], [-0.04, 0.9, 0.05], [0.06, -0.07, 1.2]])
         for cells in m.elements():
-            self.assertTrue(np.allclose(elements.gradients_at_centre(m.nodes, m.nodes @ (F - np.eye(3)).T, cells), F, atol=1e-12))
+            found = elements.gradients_at_centre(m.nodes, m.nodes @ (F - np.eye(3)).T, cells)
+            self.assertTrue(np.allclose(found, F, atol=1e-12))
 
     def test_derivatives_are_those_of_the_shape_functions(self):
         at, h = np.array([[0.2, 0.3, -0.4]]), 1e-6
@@ -152,13 +153,14 @@ class Decks(unittest.TestCase):
 
     def test_cards(self):
         legs = self.all_legs(deck.Case("tiny", energy=1, integration=1, fibre_angle=30))
-        self.assertIn("*USER MATERIAL, CONSTANTS=12\n16, 4, 0.5, 2, 1.1, 1.01, 0.5, 0\n0.866025403784439, 0., 1., 1.\n", legs[0])
+        self.assertIn("*USER MATERIAL, CONSTANTS=12\n16, 4, 0.5, 2, 1.1, 1.01, 0.5, 0\n0.866025403784439, 0., 1., 1.\n",
+                      legs[0])
         self.assertIn("NAME=@ABAQUS_MYOGROWTH_CCX@MUSCLE", legs[0])
         self.assertIn("PROXIMAL, 1, 3\nDISTAL, 1, 2\n", legs[0])
         self.assertNotIn("RESTART, READ", legs[0])
         for text in legs:
             self.assertEqual(text.count("*STEP, NLGEOM"), 2)
-            self.assertEqual(text.count("*RESTART, WRITE"), 2)
+            self.assertEqual(text.count("*RESTART, WRITE"), 1)
             self.assertNotIn("ORIENTATION", text)
             self.assertNotIn("FREQUENCY", text)
             for line in text.splitlines():
@@ -297,7 +299,8 @@ class Dat(Folder):
             found += dat.read(job_has_ended=False)
         found += dat.read()
         whole = frd.Dat(self.path).read()
-        self.assertEqual([(b.name, b.time, b.values.tolist()) for b in found], [(b.name, b.time, b.values.tolist()) for b in whole])
+        found, wanted = ([(b.name, b.time, b.values.tolist()) for b in blocks] for blocks in (found, whole))
+        self.assertEqual(found, wanted)
         self.assertEqual(len(whole), 4)
 
     def bad(self, text, line, words):
@@ -374,7 +377,8 @@ class Vtu(Folder):
         F = np.array([[0.95, 0, 0.02], [0, 0.95, 0], [0.0, 0, 1.1]])
         moved = m.nodes @ (F - np.eye(3)).T
         n = len(m.nodes)
-        fields = {"DISP": moved, "STRESS": np.arange(6 * n).reshape(n, 6), "FORC": np.zeros((n, 3)), "SDV": np.arange(5 * n).reshape(n, 5)}
+        fields = {"DISP": moved, "STRESS": np.arange(6 * n).reshape(n, 6), "FORC": np.zeros((n, 3)),
+                  "SDV": np.arange(5 * n).reshape(n, 5)}
         stiff = np.arange(160) < 5
         path = self.folder / "day_1.vtu"
         vtu.write_fields(path, m, fields, {"STRESS": vtu.STRESS}, gauss.element_means(state), stiff, deck.fibre(case))
@@ -406,7 +410,8 @@ class Figures(Folder):
                      deck.Case("paper", ends="free", duration=1)):
             made_up_run(self.folder, case)
             names = figures.draw(self.folder)
-            self.assertEqual(names, ["fig1_mesh.png", "fig2_elastic_stretch.png", "fig3_sections.png", "fig4_sarcomere_number.png"])
+            self.assertEqual(names, ["fig1_mesh.png", "fig2_elastic_stretch.png", "fig3_sections.png",
+                                     "fig4_sarcomere_number.png"])
             for name in names:
                 self.assertLess((self.folder / name).stat().st_size, 200_000)
                 with Image.open(self.folder / name) as picture:
@@ -456,7 +461,8 @@ class Options(Folder):
                               capture_output=True, text=True)
 
     def test_bad_options(self):
-        for options, words in ((("--size", "huge"), "'huge'"), (("--ends", "glued"), "'glued'"), (("--ramp", 0), "--ramp = 0.0: must be > 0"),
+        for options, words in ((("--size", "huge"), "'huge'"), (("--ends", "glued"), "'glued'"),
+                               (("--ramp", 0), "--ramp = 0.0: must be > 0"),
                                (("--ramp", "nan"), "--ramp = nan: must be finite"),
                                (("--duration", 0.5), "--duration = 0.5: must be >= --ramp = 1"),
                                (("--pull", -3), "--pull = -3.0: must be > 0 and <= 200"),
@@ -465,7 +471,8 @@ class Options(Folder):
                                (("--energy", 2), "--energy: invalid choice: 2 (choose from 0, 1)"),
                                (("--integration", 3), "--integration"), (("--threads", 0), "--threads = 0: must be > 0"),
                                (("--ccx", "/nowhere/ccx"), "--ccx = /nowhere/ccx: must be an executable file"),
-                               (("--library-dir", "/nowhere"), "--library-dir = /nowhere: must be a folder with libMYOGROWTH.so")):
+                               (("--library-dir", "/nowhere"),
+                                "--library-dir = /nowhere: must be a folder with libMYOGROWTH.so")):
             done = self.call(*options)
             self.assertEqual((done.returncode, done.stdout), (2, ""), options)
             self.assertIn(words, done.stderr)
