@@ -22,18 +22,25 @@ import elements  # noqa: E402
 import history  # noqa: E402
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"  # Okabe and Ito's, for all eyes
+COLOURS = matplotlib.colormaps["viridis"]
 CLOSE_UP = 25.0  # mm, of each end
 COMPRESSED = 5.0  # how many times shorter the axis is in the whole view than the radius
 LAYOUT = {"font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.spines.top": False,
           "axes.spines.right": False, "savefig.dpi": 130}
 
 
-def save(fig, path):
-    """With 256 colours: enough for lines and one colour map, and small files."""
-    picture = io.BytesIO()
-    fig.savefig(picture, format="png")
+def save(fig, path, colours=None):
+    """As a PNG of 256 colours, to keep the files small; with a colour map: 224 of it, and greys."""
+    buffer = io.BytesIO()
+    fig.savefig(buffer, format="png")
     plt.close(fig)
-    Image.open(picture).convert("RGB").quantize(256, kmeans=1, dither=Image.Dither.NONE).save(path, optimize=True)
+    picture = Image.open(buffer).convert("RGB")
+    palette = None
+    if colours is not None:
+        mapped, greys = colours(np.linspace(0, 1, 224))[:, :3], np.repeat(np.linspace(0, 1, 32)[:, None], 3, axis=1)
+        palette = Image.new("P", (1, 1))
+        palette.putpalette(np.round(255 * np.concatenate([mapped, greys])).astype(np.uint8).tobytes())
+    picture.quantize(256, kmeans=1, palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def describe(case):
@@ -211,7 +218,7 @@ def draw_section(axes, mesh, cut, displacement, gauss, muscle, stiff_layers):
     end = z[-1].mean()
     image = None
     for ax, window in zip(axes, ((0, CLOSE_UP), (0, end), (end - CLOSE_UP, end))):
-        image = ax.tripcolor(*doubled, triangles, values.ravel(), shading="gouraud", cmap="viridis", vmin=low, vmax=high)
+        image = ax.tripcolor(*doubled, triangles, values.ravel(), shading="gouraud", cmap=COLOURS, vmin=low, vmax=high)
         for k in stiff_layers:
             ax.fill_betweenx(x[k], z[k], z[k + 1], color="0.75", lw=0)
         ax.plot(z[:, 0], x[:, 0], z[:, -1], x[:, -1], z[0], x[0], z[-1], x[-1], color="0.2", lw=0.6)
@@ -263,7 +270,7 @@ def draw_sections(path, case, fields, name, label, title):
     fig.suptitle(f"{title}: {label} in the plane y = 0, mesh “{case.size}”\n{describe(case)}\n"
                  "each time with its own colours; △: largest, ▼: smallest of all Gauss points",
                  fontsize=9.5, y=1 - 0.08 / fig.get_figheight(), va="top")
-    save(fig, path)
+    save(fig, path, COLOURS)
 
 
 def draw(out):

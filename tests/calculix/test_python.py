@@ -36,7 +36,8 @@ class Folder(unittest.TestCase):
 
 
 class Mesh(unittest.TestCase):
-    COUNTS = {"tiny": (80, 80), "coarse": (1080, 720), "medium": (3360, 2280), "paper": (38556, 14931), "fine": (27600, 16800)}
+    COUNTS = {"tiny": (80, 80), "coarse": (1080, 720), "small": (1296, 864), "medium": (3360, 2280),
+              "paper": (38556, 14931), "fine": (27600, 16800)}
     FACES = {8: [(0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
              6: [(0, 1, 2), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]}
 
@@ -415,6 +416,7 @@ class Figures(Folder):
             for name in names:
                 self.assertLess((self.folder / name).stat().st_size, 200_000)
                 with Image.open(self.folder / name) as picture:
+                    self.assertEqual(picture.mode, "P")
                     self.assertGreater(min(picture.size), 300)
 
     def test_layers_have_the_values_of_their_gauss_points(self):
