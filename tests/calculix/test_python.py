@@ -569,6 +569,12 @@ class Job(Folder):
             G, t_last = low, t
             self.assertAlmostEqual(mean, G, delta=1e-5)
 
+    def test_second_order_is_near_the_exact_solution(self):
+        _, out = self.run_job("run", "--ends", "free", "--integration", 1, "--duration", 14)
+        h = history.read(out / "history.csv")
+        for day, exact in ((1, 1.063012), (7, 1.022328), (14, 1.016979)):  # of eq. 4, by Runge and Kutta's method
+            self.assertAlmostEqual(h["lambda_e_mean"][h["time"] == day][0], exact, delta=1e-4)
+
     def test_legs_are_the_same_as_one_job(self):
         case = deck.Case("tiny", duration=7)
         m = cylinder_mesh.mesh("tiny")
