@@ -1,0 +1,267 @@
+"""The biceps femoris as a cylinder in CalculiX: stretched by 10 % in a day and held for six weeks, while it grows.
+
+Writes the decks, runs ccx in legs from one time of output to the next, and makes of what it writes: history.csv, VTU
+files and cylinder.pvd for ParaView, fields.npz, and figures. Needs a ccx that can load libraries (build_ccx.sh) and
+libMYOGROWTH.so.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+
+import cylinder_mesh
+import deck
+import figures
+import frd
+import history
+import vtu
+
+LIBRARY = "libMYOGROWTH.so"
+
+
+class JobError(Exception):
+    """What ended the job, in words for the user."""
+
+
+def arguments():
+    default = deck.Case()
+    p = argparse.ArgumentParser(prog=os.environ.get("MYOGROWTH_JOB", "cylinder.py"), description=__doc__,
+                                formatter_class=argparse.ArgumentDefaultsHelpFormatter)
+    p.add_argument("--size", choices=cylinder_mesh.SIZES, default=default.size,
+                   help="how fine the mesh is; small, medium and fine have thin layers at the ends, where the stretch varies; "
+                        "coarse and paper equal ones, paper as many elements as the paper's")
+    p.add_argument("--ends", choices=deck.ENDS, default=default.ends,
+                   help="clamped; free to become thinner; or tendon: clamped, with a stiff layer that does not grow")
+    p.add_argument("--tendon-length", type=float, default=default.tendon_length, help="of the stiff layer at each end [mm]")
+    p.add_argument("--pull", type=float, default=default.pull, help="displacement of the distal end [mm of 400]")
+    p.add_argument("--ramp", type=float, default=default.ramp, help="time of the ramp to it [days]")
+    p.add_argument("--duration", type=float, default=default.duration, help="end of the test [days]")
+    p.add_argument("--fibre-angle", type=float, default=default.fibre_angle,
+                   help="between fibres and axis, in the x-z plane [degrees]")
+    p.add_argument("--energy", type=int, choices=(0, 1), default=default.energy,
+                   help="elastic energy per unit of 0: reference volume, 1: grown volume")
+    p.add_argument("--integration", type=int, choices=(0, 1), default=default.integration,
+                   help="of growth in time, 0: backward Euler, 1: second order")
+    p.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/cylinder"), help="folder of the results")
+    p.add_argument("--resume", action="store_true", help="go on after the last whole leg of an interrupted run")
+    p.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)), help="of ccx")
+    p.add_argument("--ccx", type=pathlib.Path, required=True, help="the executable")
+    p.add_argument("--library-dir", type=pathlib.Path, required=True, help=f"the folder of {LIBRARY}")
+    a = p.parse_args()
+
+    def check(name, good, allowed):
+        if not good:
+            p.error(f"--{name.replace('_', '-')} = {getattr(a, name)}: must be {allowed}")
+
+    for name in ("ramp", "duration", "pull", "fibre_angle", "tendon_length"):
+        check(name, math.isfinite(getattr(a, name)), "finite")
+    check("ramp", a.ramp > 0, "> 0")
+    check("duration", a.duration >= a.ramp, f">= --ramp = {a.ramp:g}")
+    check("pull", 0 < a.pull <= 200, "> 0 and <= 200")
+    check("fibre_angle", 0 <= a.fibre_angle < 90, ">= 0 and < 90")
+    check("tendon_length", 0 < a.tendon_length < 200, "> 0 and < 200")
+    check("threads", a.threads > 0, "> 0")
+    check("ccx", a.ccx.is_file() and os.access(a.ccx, os.X_OK), "an executable file")
+    check("library_dir", (a.library_dir / LIBRARY).is_file(), f"a folder with {LIBRARY}")
+    return a
+
+
+class Interrupted(JobError):
+    """Ctrl-C, or a request to end."""
+
+
+class Progress:
+    """One line that says how far the job is; on a terminal it is written over, elsewhere one line a leg."""
+
+    def __init__(self, increments):
+        self.increments, self.done, self.skipped, self.start, self.width = increments, 0, 0, time.monotonic(), 0
+
+    def skip(self, increments):
+        self.done += increments
+        self.skipped += increments
+
+    def tell(self, row, line_stays):
+        share = min(self.done / self.increments, 1.0)
+        here = self.done - self.skipped
+        left = (time.monotonic() - self.start) / here * max(self.increments - self.done, 0) if here else 0
+        text = (f"increment {self.done} of about {self.increments}   day {row[0]:.2f}   largest lambda_e {row[2]:.4f}   "
+                f"{100 * share:.0f} %" + (f"   about {left:.0f} s left" if share < 1 else ""))
+        if sys.stdout.isatty():
+            print("\r" + text.ljust(self.width), end="\n" if line_stays else "", flush=True)
+            self.width = len(text)
+        elif line_stays:
+            print(text, flush=True)
+
+
+def errors_in(log):
+    """What ccx or the material said of an error: the lines from the first one on, a dozen at most."""
+    lines = log.read_text(errors="replace").splitlines()
+    first = next((i for i, line in enumerate(lines) if re.match(r"\s*\*ERROR|\s*myogrowth", line)), None)
+    shown = lines[-12:] if first is None else lines[first:first + 12]
+    return "\n".join(line for line in shown if line.strip())
+
+
+def run_leg(a, folder, name, gauss, progress):
+    """Runs ccx on <name>.inp. Rows of the history, one for every increment, and the last state of the Gauss points."""
+    path = os.pathsep.join(filter(None, [str(a.library_dir.resolve()), os.environ.get("LD_LIBRARY_PATH")]))
+    environment = {**os.environ, "OMP_NUM_THREADS": str(a.threads), "LD_LIBRARY_PATH": path}
+    log, dat = folder / f"{name}.log", frd.Dat(folder / f"{name}.dat")
+    rows, state, reaction = [], None, None
+
+    def follow(job_has_ended):
+        nonlocal state, reaction
+        if not dat.path.exists():
+            return
+        for block in dat.read(job_has_ended):
+            if block.name == "SDV":
+                gauss.check(block)
+                state = block
+            else:
+                reaction = block
+            if state is not None and reaction is not None and state.time == reaction.time:
+                rows.append(history.row(gauss, state, reaction))
+                progress.done += 1
+                progress.tell(rows[-1], line_stays=False)
+                reaction = None
+
+    with open(log, "wb") as out:
+        # In a session of its own, so that Ctrl-C comes to us alone and we end it.
+        ccx = subprocess.Popen([a.ccx.resolve(), name], cwd=folder, stdout=out, stderr=subprocess.STDOUT,
+                               stdin=subprocess.DEVNULL, env=environment, start_new_session=True)
+        try:
+            while ccx.poll() is None:
+                follow(job_has_ended=False)
+                time.sleep(0.2)
+        finally:
+            if ccx.poll() is None:
+                ccx.kill()
+                ccx.wait()
+    if ccx.returncode != 0:
+        raise JobError(f"ccx ended with status {ccx.returncode}; {log} says:\n{errors_in(log)}")
+    follow(job_has_ended=True)
+    if not rows:
+        raise JobError(f"ccx printed no results; {log} says:\n{errors_in(log)}")
+    progress.tell(rows[-1], line_stays=True)
+    return rows, state.values
+
+
+def start_folder(a, case):
+    """The folder of ccx's files, empty but for what --resume goes on from."""
+    folder, saved = a.out / "ccx", a.out / "case.json"
+    if a.resume:
+        if not saved.is_file():
+            raise JobError(f"--resume: there is no run in {a.out}")
+        old = json.loads(saved.read_text())
+        for name, value in case._asdict().items():
+            if old.get(name) != value:
+                raise JobError(f"--resume: the run in {a.out} has {name} = {old.get(name)}, not {value}")
+    folder.mkdir(parents=True, exist_ok=True)
+    if not a.resume:
+        for path in [*folder.glob("leg*"), *a.out.glob("day_*.vtu")]:
+            path.unlink()
+        saved.write_text(json.dumps(case._asdict(), indent=1) + "\n")
+    return folder
+
+
+def run_legs(a, case, mesh, gauss, folder):
+    """The rows of the history, and the states of the Gauss points at the ends of the legs."""
+    legs = deck.leg_times(case)
+    planned = [sum(map(deck.planned_increments, deck.steps_of_leg(case, start, end, mesh.levels[-1] - mesh.levels[-2])))
+               for start, end in legs]
+    progress = Progress(sum(planned))
+    all_rows, states = [], []
+    for k, (start, end) in enumerate(legs):
+        name, result = f"leg{k}", folder / f"leg{k}.npz"
+        if a.resume and result.is_file():
+            kept = np.load(result)
+            rows, state = kept["rows"].tolist(), kept["state"]
+            progress.skip(planned[k])
+        else:
+            for path in folder.glob(f"{name}.*"):
+                if path.suffix != ".rin":
+                    path.unlink()
+            (folder / f"{name}.inp").write_text(deck.leg(case, mesh, k), encoding="ascii")
+            try:
+                rows, state = run_leg(a, folder, name, gauss, progress)
+            except KeyboardInterrupt:
+                raise Interrupted(f"\ninterrupted between day {start:g} and {end:g}; to go on from day {start:g}: "
+                               "the same command with --resume") from None
+            np.savez(folder / f"{name}.part.npz", rows=rows, state=state.astype(np.float32))
+            if k + 1 < len(legs):
+                os.replace(folder / f"{name}.rout", folder / f"leg{k + 1}.rin")
+            # From here on the leg is done: its prints are in the .npz, and its own start is needed no more.
+            os.replace(folder / f"{name}.part.npz", result)
+            for suffix in (".dat", ".rin", ".rout"):
+                (folder / f"{name}{suffix}").unlink(missing_ok=True)
+        all_rows += rows
+        states.append(np.asarray(state, dtype=np.float32))
+    return all_rows, states
+
+
+def write_results(a, case, mesh, gauss, stiff, folder, rows, states):
+    history.write(a.out / "history.csv", rows)
+    times, files, displacements = [], [], []
+    for k, (_, day) in enumerate(deck.leg_times(case)):
+        results = frd.read_frd(folder / f"leg{k}.frd")
+        for name, cells, wanted in (("C3D8", results.hexes, mesh.hexes), ("C3D6", results.wedges, mesh.wedges)):
+            if not np.array_equal(cells, wanted):
+                raise JobError(f"the {name} of leg{k}.frd are not those of the mesh")
+        fields = results.steps[-1].fields
+        times.append(day)
+        files.append(a.out / f"day_{day:g}.vtu")
+        vtu.write_fields(files[-1], mesh, fields, results.steps[-1].components, gauss.element_means(states[k]), stiff,
+                         deck.fibre(case))
+        displacements.append(fields["DISP"].astype(np.float32))
+    vtu.write_collection(a.out / "cylinder.pvd", times, files)
+    np.savez_compressed(a.out / "fields.npz", times=times, names=deck.STATE, displacement=displacements, gauss=states,
+                        element=gauss.elements, point=gauss.numbers, place=gauss.places, volume=gauss.volumes,
+                        muscle=gauss.muscle)
+
+
+def job(a):
+    case = deck.Case(**{name: getattr(a, name) for name in deck.Case._fields})
+    mesh = cylinder_mesh.mesh(case.size)
+    stiff = deck.tendon(case, mesh)
+    if case.ends == "tendon" and not stiff.any():
+        raise JobError(f"--tendon-length = {case.tendon_length:g}: must be more than half the height of the first layer, "
+                       f"{mesh.levels[1]:g} mm")
+    folder = start_folder(a, case)
+    gauss = history.GaussPoints(mesh, stiff)
+    print(f"{len(mesh.hexes)} C3D8 and {len(mesh.wedges)} C3D6, {len(mesh.nodes)} nodes, {a.threads} threads", flush=True)
+    rows, states = run_legs(a, case, mesh, gauss, folder)
+    write_results(a, case, mesh, gauss, stiff, folder, rows, states)
+    peak = max(rows, key=lambda r: r[2])
+    x, y, z = peak[8:]
+    print(f"largest lambda_e {peak[2]:.4f} on day {peak[0]:.2f}, {math.hypot(x, y):.1f} mm from the axis and "
+          f"{min(z, cylinder_mesh.LENGTH - z):.1f} mm from an end")
+    print(f"day {rows[-1][0]:g}: lambda_e {rows[-1][4]:.4f} to {rows[-1][2]:.4f}, G {rows[-1][7]:.4f} to {rows[-1][5]:.4f}, "
+          f"force {rows[-1][1]:.1f} mN")
+    made = figures.draw(a.out)
+    print(f"{a.out}/: history.csv, cylinder.pvd and its VTU files, fields.npz, {', '.join(made)}")
+
+
+def main():
+    a = arguments()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: ccx must not live on without us
+    try:
+        job(a)
+    except Interrupted as e:
+        print(e, file=sys.stderr)
+        sys.exit(130)
+    except (JobError, frd.FormatError, ValueError, OSError) as e:
+        print(e, file=sys.stderr)
+        sys.exit(1)
+    except KeyboardInterrupt:  # while the results were written
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,636 @@
+"""The cylinder in CalculiX: mesh, decks, readers, VTU, figures, and, where there is a ccx, whole jobs.
+
+test_python.py SOURCE CCX LIBRARY_DIR [unittest arguments]      CCX = none: without the tests that need it
+"""
+import csv
+import importlib
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy as np
+
+SOURCE, CCX, LIBRARY_DIR = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], sys.argv[3]
+EXAMPLES = SOURCE / "examples" / "calculix"
+HAS_CCX = os.access(CCX, os.X_OK) and (pathlib.Path(LIBRARY_DIR) / "libMYOGROWTH.so").is_file()
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(EXAMPLES))
+cylinder_mesh, deck, elements, frd, history = map(importlib.import_module,
+                                                  ("cylinder_mesh", "deck", "elements", "frd", "history"))
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        kept = tempfile.TemporaryDirectory(prefix="myogrowth_")
+        self.addCleanup(kept.cleanup)
+        self.folder = pathlib.Path(kept.name)
+
+
+class Mesh(unittest.TestCase):
+    COUNTS = {"tiny": (80, 80), "coarse": (1080, 720), "small": (1296, 864), "medium": (3360, 2280),
+              "paper": (38556, 14931), "fine": (27600, 16800)}
+    FACES = {8: [(0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
+             6: [(0, 1, 2), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]}
+
+    def each(self):
+        for size in cylinder_mesh.SIZES:
+            with self.subTest(size):
+                yield size, cylinder_mesh.SIZES[size], cylinder_mesh.mesh(size)
+
+    def test_counts(self):
+        self.assertEqual(set(self.COUNTS), set(cylinder_mesh.SIZES))
+        for size, _, m in self.each():
+            self.assertEqual((len(m.hexes), len(m.wedges)), self.COUNTS[size])
+        self.assertEqual(len(cylinder_mesh.mesh("paper").nodes), 51680)
+
+    def test_volume_and_jacobians(self):
+        for _, s, m in self.each():
+            outer = s.rings[-1]
+            exact = outer / 2 * 10**2 * math.sin(2 * math.pi / outer) * 400
+            volumes = [elements.gauss_points(m.nodes, cells)[1] for cells in m.elements()]
+            self.assertTrue(all((v > 0).all() for v in volumes))
+            self.assertAlmostEqual(sum(v.sum() for v in volumes) / exact, 1, delta=1e-12)
+
+    def test_node_sets(self):
+        for _, _, m in self.each():
+            self.assertEqual(set(m.proximal), set(np.flatnonzero(m.nodes[:, 2] == 0)))
+            self.assertEqual(set(m.distal), set(np.flatnonzero(m.nodes[:, 2] == 400)))
+            used = np.unique(np.concatenate([m.hexes.ravel(), m.wedges.ravel()]))
+            self.assertTrue(np.array_equal(used, np.arange(len(m.nodes))))
+
+    def skin(self, m):
+        """The faces that one element has to itself; a face of three or more elements is an error."""
+        faces = []
+        for cells in m.elements():
+            for face in self.FACES[cells.shape[1]]:
+                nodes = np.sort(cells[:, list(face)], axis=1)
+                faces.append(np.pad(nodes, ((0, 0), (4 - len(face), 0)), constant_values=-1))
+        unique, count = np.unique(np.concatenate(faces), axis=0, return_counts=True)
+        self.assertLessEqual(count.max(), 2)
+        return unique[count == 1]
+
+    def test_conforming(self):
+        for _, s, m in self.each():
+            outside = self.skin(m)
+            self.assertEqual(len(outside), 2 * (len(m.hexes) + len(m.wedges)) // s.layers + s.rings[-1] * s.layers)
+            for face in outside:
+                p = m.nodes[face[face >= 0]]
+                self.assertTrue(np.ptp(p[:, 2]) == 0 and p[0, 2] in (0, 400)
+                                or np.allclose(np.hypot(p[:, 0], p[:, 1]), 10))
+
+    def test_a_gap_would_be_seen(self):
+        m = cylinder_mesh.mesh("tiny")
+        self.assertEqual(len(self.skin(m._replace(hexes=np.delete(m.hexes, 30, axis=0)))), len(self.skin(m)) + 4)
+
+    def test_layers(self):
+        for _, s, m in self.each():
+            heights = np.diff(m.levels)
+            half = len(heights) // 2
+            self.assertEqual((m.levels[0], m.levels[-1], len(heights)), (0, 400, s.layers))
+            self.assertTrue(np.allclose(heights, heights[::-1]))
+            self.assertAlmostEqual(heights.max() / heights.min(), s.grading, places=9)
+            if s.grading > 1:
+                self.assertTrue((np.diff(heights[:half]) > 0).all())
+            centres = np.concatenate([m.nodes[cells].mean(axis=1) for cells in m.elements()])[:, 2]
+            self.assertTrue(np.array_equal(np.searchsorted(m.levels, centres) - 1, m.layer_of_elements()))
+
+
+class Elements(unittest.TestCase):
+    def test_linear_fields_are_exact(self):
+        m = cylinder_mesh.mesh("tiny")
+        F = np.array([[1.1, 0.02, 0.03], [-0.04, 0.9, 0.05], [0.06, -0.07, 1.2]])
+        for cells in m.elements():
+            found = elements.gradients_at_centre(m.nodes, m.nodes @ (F - np.eye(3)).T, cells)
+            self.assertTrue(np.allclose(found, F, atol=1e-12))
+
+    def test_derivatives_are_those_of_the_shape_functions(self):
+        at, h = np.array([[0.2, 0.3, -0.4]]), 1e-6
+        for nodes in (6, 8):
+            value, derivatives = elements.shape(nodes, at)
+            self.assertAlmostEqual(value.sum(), 1)
+            for k in range(3):
+                step = h * np.eye(3)[k]
+                difference = (elements.shape(nodes, at + step)[0] - elements.shape(nodes, at - step)[0]) / (2 * h)
+                self.assertTrue(np.allclose(difference, derivatives[:, :, k], atol=1e-9))
+
+
+class Decks(unittest.TestCase):
+    def all_legs(self, case):
+        m = cylinder_mesh.mesh(case.size)
+        return [deck.leg(case, m, k) for k in range(len(deck.leg_times(case)))]
+
+    def test_times(self):
+        self.assertEqual(deck.output_times(deck.Case()), [1, 7, 14, 28, 42])
+        self.assertEqual(deck.output_times(deck.Case(duration=10)), [1, 7, 10])
+        self.assertEqual(deck.output_times(deck.Case(ramp=8, duration=28)), [8, 14, 28])
+        self.assertEqual(deck.output_times(deck.Case(ramp=3, duration=3)), [3])
+
+    def test_steps(self):
+        for size in cylinder_mesh.SIZES:
+            for case in (deck.Case(size), deck.Case(size, ramp=0.01, duration=50), deck.Case(size, ramp=30.0, pull=80.0)):
+                levels = cylinder_mesh.layer_levels(cylinder_mesh.SIZES[size].layers, cylinder_mesh.SIZES[size].grading)
+                height = levels[-1] - levels[-2]
+                t, count = 0.0, 0
+                for start, end in deck.leg_times(case):
+                    steps = deck.steps_of_leg(case, start, end, height)
+                    self.assertEqual([s.output for s in steps], [False, True])
+                    for s in steps:
+                        self.assertTrue(0 < s.first <= s.longest <= s.period)
+                        count += deck.planned_increments(s)
+                        if t == 0:
+                            self.assertLess(case.pull * s.first / case.ramp, height / 2)
+                        t += s.period
+                    self.assertAlmostEqual(t, end, delta=1e-9)
+                self.assertTrue(20 <= count <= 55, count)
+
+    def test_cards(self):
+        legs = self.all_legs(deck.Case("tiny", energy=1, integration=1, fibre_angle=30))
+        self.assertIn("*USER MATERIAL, CONSTANTS=12\n16, 4, 0.5, 2, 1.1, 1.01, 0.5, 0\n0.866025403784439, 0., 1., 1.\n",
+                      legs[0])
+        self.assertIn("NAME=@ABAQUS_MYOGROWTH_CCX@MUSCLE", legs[0])
+        self.assertIn("PROXIMAL, 1, 3\nDISTAL, 1, 2\n", legs[0])
+        self.assertNotIn("RESTART, READ", legs[0])
+        for text in legs:
+            self.assertEqual(text.count("*STEP, NLGEOM"), 2)
+            self.assertEqual(text.count("*RESTART, WRITE"), 1)
+            self.assertNotIn("ORIENTATION", text)
+            self.assertNotIn("FREQUENCY", text)
+            for line in text.splitlines():
+                self.assertLessEqual(len(line), 130)
+                self.assertTrue(all(len(field.strip()) <= 20 for field in line.split(",")) or line.startswith("*"), line)
+        for text in legs[1:]:
+            self.assertTrue(text.splitlines()[1] == "*RESTART, READ")
+            self.assertNotIn("*NODE,", text)
+
+    def test_props_are_the_manuals(self):
+        manual = (SOURCE / "docs" / "manual.md").read_text(encoding="utf-8")
+        rows = re.findall(r"^\| (\d+) \| `(\w+)` \|", manual, re.M)
+        symbols = [symbol for _, symbol in rows]
+        self.assertEqual(symbols[:12], ["c1", "c2", "tau", "gamma", "G_max", "lambda_crit", "n0_1", "n0_2", "n0_3", "frame",
+                                        "energy", "integration"])
+        after = symbols[symbols.index("G"):]
+        self.assertEqual(after[:len(deck.STATE)], deck.STATE)
+
+    def test_ends(self):
+        m = cylinder_mesh.mesh("tiny")
+        free = deck.leg(deck.Case("tiny", ends="free"), m, 0)
+        on_x = int(np.flatnonzero(np.isclose(m.nodes[:, 0], 10) & (m.nodes[:, 2] == 0))[0]) + 1
+        self.assertIn(f"*BOUNDARY\nPROXIMAL, 3, 3\n1, 1, 2\n{on_x}, 2, 2\n", free)
+        case = deck.Case("tiny", ends="tendon", tendon_length=50)
+        stiff = deck.tendon(case, m)
+        self.assertEqual(stiff.sum(), 2 * 16)
+        z = np.concatenate([m.nodes[cells].mean(axis=1) for cells in m.elements()])[:, 2]
+        self.assertTrue(np.array_equal(stiff, (z < 40) | (z > 360)))
+        text = deck.leg(case, m, 0)
+        self.assertIn("1600, 400, 0.5, 2, 1.1, 1000, 0, 0\n", text)
+        for name, wanted in (("MUSCLE", ~stiff), ("TENDON", stiff)):
+            listed = re.search(rf"\*ELSET, ELSET={name}\n([\d, \n]+)", text)[1]
+            self.assertEqual([int(n) for n in re.findall(r"\d+", listed)], (np.flatnonzero(wanted) + 1).tolist())
+        self.assertFalse(deck.tendon(deck.Case("tiny"), m).any())
+
+
+def frd_text(fields=True, last=True, nodes=6):
+    """A wedge and its fields, as CalculiX writes them: two fields at day 1, one of them with two lines for a node."""
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 2), (1, 0, 2), (0, -1.5, 2)][:nodes]
+    text = ["    1C", "    1UUSER", f"    2C{'':18}{nodes:12d}{'':37}1"]
+    text += [f" -1{10 * i:10d}" + "".join(f"{x:12.5E}" for x in p) for i, p in enumerate(corners, 1)] + [" -3"]
+    text += [f"    3C{'':18}{1:12d}{'':37}1", f" -1{7:10d}    2    0    1",
+             " -2" + "".join(f"{10 * i:10d}" for i in range(1, 7)), " -3"]
+    if fields:
+        head = f"  100CL  101 1.000000000{nodes:12d}{'':21}0    1{'':11}1"
+        text += ["    1PSTEP                         1           1           1", head, " -4  DISP        4    1",
+                 " -5  D1          1    2    1    0", " -5  D2          1    2    2    0", " -5  D3          1    2    3    0",
+                 " -5  ALL         1    2    0    0    1ALL"]
+        text += [f" -1{10 * i:10d}" + "".join(f"{x:12.5E}" for x in (i, -i, i / 8)) for i in range(1, nodes + 1)] + [" -3"]
+        text += [head, " -4  SDV         8    1"] + [f" -5  SDV{k:<3d}      1    1    0    0" for k in range(1, 9)]
+        for i in range(1, nodes + 1):
+            text += [f" -1{10 * i:10d}" + "".join(f"{x:12.5E}" for x in range(i, i + 6)),
+                     " -2          " + "".join(f"{x:12.5E}" for x in (-i, i + 0.5))]
+        text += [" -3"]
+    return "\n".join(text + [" 9999\n"] * last)
+
+
+class Frd(Folder):
+    def read(self, text):
+        path = self.folder / "job.frd"
+        path.write_text(text)
+        return frd.read_frd(path)
+
+    def test_a_wedge(self):
+        r = self.read(frd_text())
+        self.assertEqual(r.nodes.tolist()[5], [0, -1.5, 2])
+        self.assertEqual((r.wedge_numbers.tolist(), r.wedges.tolist(), r.hexes.shape), ([7], [[0, 1, 2, 3, 4, 5]], (0, 8)))
+        self.assertEqual([s.time for s in r.steps], [1.0])
+        self.assertEqual(r.steps[0].components, {"DISP": ["D1", "D2", "D3"], "SDV": [f"SDV{k}" for k in range(1, 9)]})
+        self.assertEqual(r.steps[0].fields["DISP"][3].tolist(), [4, -4, 0.5])
+        self.assertEqual(r.steps[0].fields["SDV"][1].tolist(), [2, 3, 4, 5, 6, 7, -2, 2.5])
+        self.assertEqual(self.read(frd_text(fields=False)).steps, [])
+
+    def bad(self, text, line, words):
+        with self.assertRaises(frd.FormatError) as caught:
+            self.read(text)
+        self.assertIn(f"job.frd:{line}: ", str(caught.exception))
+        self.assertIn(words, str(caught.exception))
+
+    def test_truncated_anywhere(self):
+        lines = frd_text().splitlines(keepends=True)
+        for n in range(len(lines)):
+            for text in ("".join(lines[:n]), "".join(lines[:n]) + lines[n][:2]):
+                with self.subTest(n), self.assertRaises(frd.FormatError) as caught:
+                    self.read(text)
+                self.assertRegex(str(caught.exception), rf"job.frd:({n}|{n + 1}): ")
+        self.bad("".join(lines[:7]), 8, "interrupted?")
+        self.bad("".join(lines[:25]) + lines[25][:30], 26, "interrupted?")
+
+    def test_spoiled(self):
+        text = frd_text()
+        self.bad(text.replace("    3C", "    4C"), 11, "expected 1, 2C, 3C")
+        self.bad(text.replace("    2    0    1\n", "    6    0    1\n"), 12, "element type 6: expected 1 (C3D8) or 2 (C3D6)")
+        self.bad(text.replace("         7    2", "         x    2"), 12, "expected an element number")
+        self.bad(text.replace("-1.50000E+00", " ***********"), 9, "expected a number")
+        self.bad(text.replace(" -4  DISP", " -7  DISP"), 17, "expected -4")
+        self.bad(text.replace("1.000000000 ", "1.00000x000 ", 1), 16, "expected a time")
+        self.bad(text.replace(" -1        30 3.0", " -2        30 3.0", 1), 24, "DISP in a node")
+        self.bad(text.replace(" -1        60 6.00000E+00-6", " -1        99 6.00000E+00-6"), 16, "the mesh does not have")
+        self.bad(text.replace("1\n -1        10 0", "2\n -1        10 0", 1), 3, "expected text")
+        self.bad(text.replace("        60\n -3", "        61\n -3"), 53, "a node that is not there")
+        self.bad(text.replace("2.00000E+00\n -3", "2.00000E+00\n -1"), 10, "expected -3, the end of the nodes")
+        self.bad(" 9999\n", 2, "no mesh")
+
+    def test_no_file(self):
+        with self.assertRaises(FileNotFoundError):
+            frd.read_frd(self.folder / "none.frd")
+
+
+def dat_text(day, first=1.0):
+    rows = [f"{e:10d} {p:3d} {first + e / 8:13.6E} {-p / 4:13.6E}" for e in (1, 2) for p in (1, 2)]
+    return ("\n internal state variables (elem, integ.pnt.,values) for set ALL and time  " + f"{day:13.7E}".rjust(14) + "\n\n"
+            + "\n".join(rows) + "\n\n total force (fx,fy,fz) for set DISTAL and time  " + f"{day:13.7E}" + "\n\n"
+            + f"      {-1.5:14.6E}{0.25:14.6E}{day:14.6E}\n")
+
+
+class Dat(Folder):
+    def setUp(self):
+        super().setUp()
+        self.path = self.folder / "job.dat"
+
+    def test_blocks(self):
+        self.path.write_text(dat_text(0.5) + dat_text(42))
+        blocks = frd.Dat(self.path).read()
+        self.assertEqual([(b.name, b.set, b.time) for b in blocks],
+                         [("SDV", "ALL", 0.5), ("RF", "DISTAL", 0.5), ("SDV", "ALL", 42), ("RF", "DISTAL", 42)])
+        self.assertEqual((blocks[0].elements.tolist(), blocks[0].points.tolist()), ([1, 1, 2, 2], [1, 2, 1, 2]))
+        self.assertEqual(blocks[0].values.tolist(), [[1.125, -0.25], [1.125, -0.5], [1.25, -0.25], [1.25, -0.5]])
+        self.assertEqual(blocks[3].values.tolist(), [-1.5, 0.25, 42])
+
+    def test_growing_by_every_character(self):
+        text = dat_text(1) + dat_text(2)
+        dat, found = frd.Dat(self.path), []
+        for n in range(len(text) + 1):
+            self.path.write_text(text[:n])
+            found += dat.read(job_has_ended=False)
+        found += dat.read()
+        whole = frd.Dat(self.path).read()
+        found, wanted = ([(b.name, b.time, b.values.tolist()) for b in blocks] for blocks in (found, whole))
+        self.assertEqual(found, wanted)
+        self.assertEqual(len(whole), 4)
+
+    def bad(self, text, line, words):
+        self.path.write_text(text)
+        with self.assertRaises(frd.FormatError) as caught:
+            frd.Dat(self.path).read()
+        self.assertIn(f"job.dat:{line}: ", str(caught.exception))
+        self.assertIn(words, str(caught.exception))
+
+    def test_bad(self):
+        text = dat_text(1)
+        self.bad(text + dat_text(2)[:200], 17, "interrupted?")
+        self.bad(text.replace(" internal state variables", " plastic strains"), 2, "expected 'internal state variables'")
+        self.bad(text.replace("1.125000E+00 -5", "************ -5"), 5, "expected a number")
+        self.bad(text.replace("         2   1", "         2   x"), 6, "expected a number")
+        self.bad(text.replace(" -5.000000E-01\n         2", "\n         2"), 5, "as in the lines before")
+        self.bad(text.rstrip("\n"), 11, "interrupted?")
+        self.path.write_text("\n")
+        self.assertEqual(frd.Dat(self.path).read(), [])
+
+
+def made_up_run(folder, case):
+    """What a run leaves, without one: lambda_e = 1.05 + z / 10000, the stretch of 10 % uniform."""
+    m = cylinder_mesh.mesh(case.size)
+    gauss = history.GaussPoints(m, deck.tendon(case, m))
+    state = np.ones((len(gauss.places), 5))
+    state[:, deck.STATE.index("lambda_e")] = 1.05 + gauss.places[:, 2] / 1e4
+    times = deck.output_times(case)
+    printed = [frd.Print("SDV", "ALL", t, gauss.elements, gauss.numbers, state) for t in times]
+    force = frd.Print("RF", "DISTAL", 1.0, np.empty(0), np.empty(0), np.array([0.0, 0, 99]))
+    history.write(folder / "history.csv", [history.row(gauss, p, force) for p in printed])
+    moved = m.nodes * [-0.05, -0.05, 0.1]
+    np.savez(folder / "fields.npz", times=times, names=deck.STATE, displacement=[moved] * len(times),
+             gauss=[state] * len(times), muscle=gauss.muscle)
+    (folder / "case.json").write_text(json.dumps(case._asdict()))
+    return m, gauss, state, moved
+
+
+class History(Folder):
+    def test_rows(self):
+        case = deck.Case("tiny", ends="tendon", tendon_length=50)
+        m, gauss, state, _ = made_up_run(self.folder, case)
+        self.assertEqual((self.folder / "history.csv").read_text().splitlines()[0],
+                         "time,reaction,lambda_e_max,lambda_e_mean,lambda_e_min,G_max,G_mean,G_min,x,y,z")
+        h = history.read(self.folder / "history.csv")
+        z = gauss.places[gauss.muscle, 2]
+        self.assertTrue(z.min() > 40 and z.max() < 360)
+        self.assertAlmostEqual(h["lambda_e_max"][0], 1.05 + z.max() / 1e4, places=6)
+        self.assertAlmostEqual(h["lambda_e_min"][0], 1.05 + z.min() / 1e4, places=6)
+        self.assertAlmostEqual(h["lambda_e_mean"][0], 1.07, places=6)
+        self.assertAlmostEqual(h["z"][0], z.max(), places=3)
+        means = gauss.element_means(state)[:, 1]
+        centres = np.concatenate([m.nodes[cells].mean(axis=1) for cells in m.elements()])
+        self.assertTrue(np.allclose(means, 1.05 + centres[:, 2] / 1e4, atol=1e-12))
+
+    def test_another_print_is_refused(self):
+        m = cylinder_mesh.mesh("tiny")
+        gauss = history.GaussPoints(m, np.zeros(160, dtype=bool))
+        good = frd.Print("SDV", "ALL", 1.0, gauss.elements, gauss.numbers, np.ones((800, 5)))
+        gauss.check(good)
+        for bad, words in ((good._replace(elements=gauss.elements[::-1]), "other Gauss points"),
+                           (good._replace(values=np.ones((800, 8))), "8 state variables")):
+            with self.assertRaisesRegex(ValueError, words):
+                gauss.check(bad)
+
+
+class Vtu(Folder):
+    def test_what_is_written_is_read_back(self):
+        import meshio
+        vtu = importlib.import_module("vtu")
+
+        case = deck.Case("tiny", fibre_angle=30)
+        m, gauss, state, _ = made_up_run(self.folder, case)
+        F = np.array([[0.95, 0, 0.02], [0, 0.95, 0], [0.0, 0, 1.1]])
+        moved = m.nodes @ (F - np.eye(3)).T
+        n = len(m.nodes)
+        fields = {"DISP": moved, "STRESS": np.arange(6 * n).reshape(n, 6), "FORC": np.zeros((n, 3)),
+                  "SDV": np.arange(5 * n).reshape(n, 5)}
+        stiff = np.arange(160) < 5
+        path = self.folder / "day_1.vtu"
+        vtu.write_fields(path, m, fields, {"STRESS": vtu.STRESS}, gauss.element_means(state), stiff, deck.fibre(case))
+        back = meshio.read(path)
+        self.assertTrue(np.array_equal(back.points, m.nodes))
+        self.assertEqual([c.type for c in back.cells], ["hexahedron", "wedge"])
+        self.assertTrue(np.array_equal(back.cells[0].data, m.hexes) and np.array_equal(back.cells[1].data, m.wedges))
+        self.assertEqual(set(back.point_data), {"displacement", "Cauchy_stress", "reaction", *deck.STATE})
+        self.assertEqual(set(back.cell_data), {"fibre", "muscle", *(f"{name}_mean" for name in deck.STATE)})
+        self.assertTrue(np.allclose(back.point_data["displacement"], moved, atol=1e-5))
+        self.assertTrue(np.allclose(back.point_data["lambda"], fields["SDV"][:, 2]))
+        direction = F @ [0.5, 0, math.sqrt(0.75)]
+        self.assertTrue(np.allclose(np.concatenate(back.cell_data["fibre"]), direction / np.linalg.norm(direction), atol=1e-6))
+        self.assertEqual(np.concatenate(back.cell_data["muscle"]).tolist(), (~stiff).astype(int).tolist())
+        with self.assertRaisesRegex(ValueError, "components of the stress"):
+            vtu.write_fields(path, m, fields, {"STRESS": ["S11"]}, state, stiff, deck.fibre(case))
+
+        vtu.write_collection(self.folder / "all.pvd", [1, 42.5], [path, self.folder / "day_42.5.vtu"])
+        import xml.etree.ElementTree
+        sets = xml.etree.ElementTree.parse(self.folder / "all.pvd").getroot().findall("Collection/DataSet")
+        self.assertEqual([(s.get("timestep"), s.get("file")) for s in sets], [("1", "day_1.vtu"), ("42.5", "day_42.5.vtu")])
+
+
+class Figures(Folder):
+    def test_all_sizes_and_ends(self):
+        from PIL import Image
+        figures = importlib.import_module("figures")
+        for case in (deck.Case("medium"), deck.Case("tiny", ends="tendon", tendon_length=50, duration=7, fibre_angle=20),
+                     deck.Case("paper", ends="free", duration=1)):
+            made_up_run(self.folder, case)
+            names = figures.draw(self.folder)
+            self.assertEqual(names, ["fig1_mesh.png", "fig2_elastic_stretch.png", "fig3_sections.png",
+                                     "fig4_sarcomere_number.png"])
+            for name in names:
+                self.assertLess((self.folder / name).stat().st_size, 200_000)
+                with Image.open(self.folder / name) as picture:
+                    self.assertEqual(picture.mode, "P")
+                    self.assertGreater(min(picture.size), 300)
+
+    def test_layers_have_the_values_of_their_gauss_points(self):
+        figures = importlib.import_module("figures")
+        m = cylinder_mesh.mesh("medium")
+        places = history.GaussPoints(m, np.zeros(len(m.hexes) + len(m.wedges), dtype=bool)).places
+        shown = figures.in_layers(m, 1 + 0.5 * places[:, 2])
+        self.assertTrue(np.allclose(shown[:, 0], 1 + 0.5 * m.levels[:-1, None]))
+        self.assertTrue(np.allclose(shown[:, 1], 1 + 0.5 * m.levels[1:, None]))
+        # Where a node has quadrilaterals alone, what is linear in the disc is exact there.
+        shown, disc = figures.in_layers(m, places[:, 0])[30, 0], len(m.proximal)
+        plain = np.setdiff1d(m.hexes[:56, :4], m.wedges[:38, :3])
+        self.assertTrue(len(plain) > 5 and plain.max() < disc)
+        self.assertTrue(np.allclose(shown[plain], m.nodes[plain, 0], atol=1e-9))
+
+    def test_section(self):
+        figures = importlib.import_module("figures")
+        for size in cylinder_mesh.SIZES:
+            m = cylinder_mesh.mesh(size)
+            places = figures.on_section(figures.section(m), m.nodes.reshape(len(m.levels), -1, 3))[0]
+            self.assertTrue((np.diff(places[:, 0]) > 0).all())
+            self.assertTrue(np.allclose(places[:, 1], 0, atol=1e-9))
+            self.assertAlmostEqual(places[-1, 0], 10)
+            self.assertLess(places[0, 0], -9.9)
+
+
+FAKE_CCX = """#!/bin/sh
+echo " *ERROR in myogrowth: PROPS(5) = 0.9: G_max must be > 1."
+exit 201
+"""
+
+
+class Options(Folder):
+    def setUp(self):
+        super().setUp()
+        self.ccx = self.folder / "ccx"
+        self.ccx.write_text(FAKE_CCX)
+        self.ccx.chmod(0o755)
+        (self.folder / "libMYOGROWTH.so").touch()
+        self.base = ["--size", "tiny", "--ccx", self.ccx, "--library-dir", self.folder, "--out", self.folder / "out"]
+
+    def call(self, *options):
+        return subprocess.run([sys.executable, EXAMPLES / "cylinder.py", *self.base, *map(str, options)], cwd="/",
+                              capture_output=True, text=True)
+
+    def test_bad_options(self):
+        for options, words in ((("--size", "huge"), "'huge'"), (("--ends", "glued"), "'glued'"),
+                               (("--ramp", 0), "--ramp = 0.0: must be > 0"),
+                               (("--ramp", "nan"), "--ramp = nan: must be finite"),
+                               (("--duration", 0.5), "--duration = 0.5: must be >= --ramp = 1"),
+                               (("--pull", -3), "--pull = -3.0: must be > 0 and <= 200"),
+                               (("--fibre-angle", 90), "--fibre-angle = 90.0: must be >= 0 and < 90"),
+                               (("--tendon-length", 0), "--tendon-length = 0.0: must be > 0 and < 200"),
+                               (("--energy", 2), "--energy: invalid choice: 2 (choose from 0, 1)"),
+                               (("--integration", 3), "--integration"), (("--threads", 0), "--threads = 0: must be > 0"),
+                               (("--ccx", "/nowhere/ccx"), "--ccx = /nowhere/ccx: must be an executable file"),
+                               (("--library-dir", "/nowhere"),
+                                "--library-dir = /nowhere: must be a folder with libMYOGROWTH.so")):
+            done = self.call(*options)
+            self.assertEqual((done.returncode, done.stdout), (2, ""), options)
+            self.assertIn(words, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
+
+    def test_errors_of_ccx_are_shown(self):
+        done = self.call()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ccx ended with status 201", done.stderr)
+        self.assertIn("PROPS(5) = 0.9: G_max must be > 1.", done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+        self.assertFalse((self.folder / "out" / "history.csv").exists())
+
+    def test_no_results(self):
+        self.ccx.write_text("#!/bin/sh\necho nothing to do\n")
+        done = self.call()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ccx printed no results", done.stderr)
+        self.assertIn("nothing to do", done.stderr)
+
+    def test_resume_without_a_run_or_of_another(self):
+        done = self.call("--resume")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--resume: there is no run in", done.stderr)
+        self.call()
+        done = self.call("--resume", "--ramp", 2)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("has ramp = 1.0, not 2.0", done.stderr)
+
+    def test_too_thin_a_tendon(self):
+        done = self.call("--ends", "tendon", "--tendon-length", 10)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("--tendon-length = 10: must be more than half the height of the first layer, 40 mm", done.stderr)
+
+
+@unittest.skipUnless(HAS_CCX, "no ccx that loads libraries, or no libMYOGROWTH.so")
+class Job(Folder):
+    def command(self, out, *options):
+        return [sys.executable, EXAMPLES / "cylinder.py", "--size", "tiny", "--ccx", CCX, "--library-dir", LIBRARY_DIR,
+                "--out", out, "--threads", "1", *map(str, options)]
+
+    def run_job(self, name, *options):
+        done = subprocess.run(self.command(self.folder / name, *options), capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return done.stdout, self.folder / name
+
+    def test_whole_job(self):
+        import meshio
+
+        said, out = self.run_job("run", "--duration", 14)
+        self.assertIn("80 C3D8 and 80 C3D6", said)
+        self.assertIn("100 %", said)
+        for name in ("history.csv", "cylinder.pvd", "day_1.vtu", "day_7.vtu", "day_14.vtu", "fields.npz", "fig1_mesh.png",
+                     "fig3_sections.png"):
+            self.assertTrue((out / name).is_file(), name)
+        h = history.read(out / "history.csv")
+        self.assertTrue((np.diff(h["time"]) > 0).all())
+        self.assertTrue({1.0, 7.0, 14.0} <= set(h["time"]))
+        self.assertTrue((h["lambda_e_min"] <= h["lambda_e_mean"]).all() and (h["lambda_e_mean"] <= h["lambda_e_max"]).all())
+        self.assertTrue((np.diff(h["G_min"]) >= 0).all())
+
+        # Fibre stretch is the total one over G, and the force is that of the Cauchy stress on the section half way.
+        fields = np.load(out / "fields.npz")
+        G, lambda_e, stretch, J, Je = fields["gauss"][-1].T
+        self.assertTrue(np.allclose(G * lambda_e, stretch, rtol=2e-6) and np.allclose(J, G * Je, rtol=2e-6))
+        m = cylinder_mesh.mesh("tiny")
+        last = frd.read_frd(out / "ccx" / "leg2.frd").steps[-1]
+        self.assertEqual(last.time, 14)
+        self.assertTrue(np.allclose(last.fields["FORC"][m.distal, 2].sum(), h["reaction"][-1], rtol=1e-4))
+        middle = slice(5 * len(m.proximal), 6 * len(m.proximal))
+        x, y, _ = (m.nodes + last.fields["DISP"])[middle].T
+        area = 12 / 2 * np.hypot(x, y).max() ** 2 * math.sin(2 * math.pi / 12)
+        self.assertAlmostEqual(last.fields["STRESS"][middle, 2].mean() * area / h["reaction"][-1], 1, delta=2e-3)
+
+        # The .frd's values in the nodes lie about those of the Gauss points; VTU has both.
+        back = meshio.read(out / "day_14.vtu")
+        means = np.concatenate(back.cell_data["lambda_e_mean"])
+        self.assertAlmostEqual(means.mean(), back.point_data["lambda_e"].mean(), delta=1e-3)
+        self.assertTrue(h["lambda_e_min"][-1] <= means.min() and means.max() <= h["lambda_e_max"][-1])
+
+    def test_free_ends_are_the_law_of_one_point(self):
+        # With free ends the stretch is 10 % everywhere: eq. 4 by backward Euler, by bisection, at the times of the history.
+        _, out = self.run_job("run", "--ends", "free", "--duration", 7)
+        h = history.read(out / "history.csv")
+        G, t_last = 1.0, 0.0
+        for t, mean in zip(h["time"], h["G_mean"]):
+            stretch, low, high = 1 + 0.1 * min(t, 1.0), G, 1.1
+            for _ in range(60):
+                x = (low + high) / 2
+                rate = (max(1.1 - x, 0) / 0.1) ** 2 / 0.5 * max(stretch / x - 1.01, 0)
+                low, high = (x, high) if G + (t - t_last) * rate > x else (low, x)
+            G, t_last = low, t
+            self.assertAlmostEqual(mean, G, delta=1e-5)
+
+    def test_second_order_is_near_the_exact_solution(self):
+        _, out = self.run_job("run", "--ends", "free", "--integration", 1, "--duration", 14)
+        h = history.read(out / "history.csv")
+        for day, exact in ((1, 1.063012), (7, 1.022328), (14, 1.016979)):  # of eq. 4, by Runge and Kutta's method
+            self.assertAlmostEqual(h["lambda_e_mean"][h["time"] == day][0], exact, delta=1e-4)
+
+    def test_legs_are_the_same_as_one_job(self):
+        case = deck.Case("tiny", duration=7)
+        m = cylinder_mesh.mesh("tiny")
+        whole = deck.leg(case, m, 0) + deck.leg(case, m, 1).replace("*RESTART, READ\n", "")
+        (self.folder / "whole.inp").write_text(whole)
+        subprocess.run([CCX, "whole"], cwd=self.folder, check=True, capture_output=True,
+                       env={**os.environ, "LD_LIBRARY_PATH": LIBRARY_DIR, "OMP_NUM_THREADS": "1"})
+        _, out = self.run_job("run", "--duration", 7)
+        h = history.read(out / "history.csv")
+        blocks = frd.Dat(self.folder / "whole.dat").read()
+        self.assertEqual([b.time for b in blocks if b.name == "RF"], h["time"].tolist())
+        self.assertEqual([float(f"{b.values[2]:.7g}") for b in blocks if b.name == "RF"], h["reaction"].tolist())
+        self.assertTrue(np.array_equal([b for b in blocks if b.name == "SDV"][-1].values.astype(np.float32),
+                                       np.load(out / "fields.npz")["gauss"][-1]))
+
+    def test_interrupted_and_resumed(self):
+        out = self.folder / "stopped"
+        job = subprocess.Popen(self.command(out, "--duration", 14), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)
+        while not (out / "ccx" / "leg0.npz").exists():
+            time.sleep(0.05)
+        time.sleep(0.2)
+        job.send_signal(signal.SIGINT)
+        _, error = job.communicate(timeout=60)
+        self.assertEqual(job.returncode, 130, error)
+        self.assertIn("the same command with --resume", error)
+        self.assertNotIn("Traceback", error)
+        shutil.copy(out / "ccx" / "leg0.npz", self.folder / "kept.npz")
+        self.run_job("stopped", "--duration", 14, "--resume")
+        _, straight = self.run_job("straight", "--duration", 14)
+        self.assertEqual((out / "history.csv").read_text(), (straight / "history.csv").read_text())
+        self.assertEqual((out / "ccx" / "leg0.npz").read_bytes(), (self.folder / "kept.npz").read_bytes())
+
+    def test_ends_and_options(self):
+        peaks = {}
+        for name, options in (("free", ["--ends", "free"]), ("tendon", ["--ends", "tendon", "--tendon-length", 50]),
+                              ("tilted", ["--fibre-angle", 20]), ("second", ["--integration", 1]), ("energy", ["--energy", 1])):
+            _, out = self.run_job(name, "--duration", 1, *options)
+            with open(out / "history.csv") as f:
+                peaks[name] = {k: float(v) for k, v in list(csv.DictReader(f))[-1].items()}
+            if name == "free":  # uniaxial tension: all points are alike, and the sides become thinner alike
+                fields = np.load(out / "fields.npz")
+                self.assertLess(np.ptp(fields["gauss"][-1][:, 1]), 3e-5)
+                m = cylinder_mesh.mesh("tiny")
+                rim = np.isclose(np.hypot(m.nodes[:, 0], m.nodes[:, 1]), 10)
+                inward = np.einsum("ni,ni->n", fields["displacement"][-1][rim, :2], m.nodes[rim, :2]) / 10
+                self.assertLess(np.ptp(inward), 1e-4)
+                self.assertLess(inward.max(), -0.1)
+            if name == "tendon":
+                fields = np.load(out / "fields.npz")
+                self.assertTrue((fields["gauss"][-1][~fields["muscle"], 0] == 1).all())
+                self.assertLess(fields["gauss"][-1][~fields["muscle"], 1].max(), 1.01)
+        self.assertGreater(peaks["tendon"]["lambda_e_mean"], peaks["free"]["lambda_e_mean"])
+        self.assertLess(peaks["tilted"]["lambda_e_mean"], peaks["free"]["lambda_e_mean"])
+        self.assertNotEqual(peaks["second"]["reaction"], peaks["energy"]["reaction"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]], verbosity=2)
