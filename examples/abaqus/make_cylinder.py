@@ -16,7 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "calculi
 import cylinder_mesh  # noqa: E402  the mesh is the one that runs in CalculiX
 
 PULL = 40.0  # mm
-FIRST = {"coarse": 0.05, "paper": 0.02}  # days, the first increment of every size
+FIRST = {"coarse": 0.02, "paper": 0.02}  # days, the first increment of every size
 
 DECK = """*HEADING
 myogrowth: biceps femoris as a cylinder, {n_hex} C3D8 and {n_wedge} C3D6, 10 % stretch in one day, held to day 42

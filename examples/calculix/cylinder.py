@@ -36,8 +36,8 @@ def arguments():
     p = argparse.ArgumentParser(prog=os.environ.get("MYOGROWTH_JOB", "cylinder.py"), description=__doc__,
                                 formatter_class=argparse.ArgumentDefaultsHelpFormatter)
     p.add_argument("--size", choices=cylinder_mesh.SIZES, default=default.size,
-                   help="how fine the mesh is; small, medium and fine have thin layers at the ends, where the stretch varies; "
-                        "coarse and paper equal ones, paper as many elements as the paper's")
+                   help="how fine the mesh is; coarse, medium and fine have thin layers at the ends, where the stretch varies; "
+                        "paper equal ones and as many elements as the paper's")
     p.add_argument("--ends", choices=deck.ENDS, default=default.ends,
                    help="clamped; free to become thinner; or tendon: clamped, with a stiff layer that does not grow")
     p.add_argument("--tendon-length", type=float, default=default.tendon_length, help="of the stiff layer at each end [mm]")

@@ -22,8 +22,7 @@ class Size(NamedTuple):
 
 SIZES = {
     "tiny": Size([6, 12], 8, 10),
-    "coarse": Size([6, 12, 18, 24], 36, 30),
-    "small": Size([6, 12, 18, 24], 36, 36, grading=10.0),
+    "coarse": Size([6, 12, 18, 24], 36, 36, grading=10.0),
     "medium": Size([6 * k for k in range(1, 6)], 56, 60, grading=8.0),
     "paper": Size([6 * k for k in range(1, 9)] + [55], 204, 189),
     "fine": Size([6 * k for k in range(1, 11)], 230, 120, grading=8.0),

@@ -21,7 +21,7 @@ ENDS = ("clamped", "free", "tendon")
 class Case(NamedTuple):
     """What is simulated; the defaults are the paper's test."""
 
-    size: str = "small"  # of cylinder_mesh.SIZES
+    size: str = "coarse"  # of cylinder_mesh.SIZES
     ends: str = "clamped"
     tendon_length: float = 20.0  # mm, of the stiff layer at either end; with ends = tendon
     pull: float = 40.0  # mm
@@ -29,7 +29,7 @@ class Case(NamedTuple):
     duration: float = 42.0  # days
     fibre_angle: float = 0.0  # degrees from the axis, in the x-z plane
     energy: int = 0  # PROPS(11)
-    integration: int = 0  # PROPS(12)
+    integration: int = 1  # PROPS(12)
 
 
 class Step(NamedTuple):

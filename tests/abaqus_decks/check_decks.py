@@ -574,7 +574,7 @@ class Cylinder(unittest.TestCase):
         return deck
 
     def test_coarse(self):
-        self.check("coarse", 1080, 720, 24, 30)
+        self.check("coarse", 1296, 864, 24, 36)
 
     def test_the_papers_counts(self):
         deck = self.check("paper", 38556, 14931, 55, 189)
