@@ -18,6 +18,7 @@
 #define MYOGROWTH_KERNEL_HPP
 
 #include "growth_flow.hpp"
+#include "symmetric.hpp"
 
 namespace myogrowth {
 
@@ -243,34 +244,43 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
 
 /// Spatial modulus c[36] of the Jaumann rate of the Kirchhoff stress, times a factor; with the factor 1/J it
 /// is Abaqus's DDSDDE. Consistent with the discrete update: d tau = c:D for a symmetric increment dF = D F.
-/// Unsymmetric where the muscle grows.
-template <class T>
-void spatial_modulus(const PointUpdate<T>& u, T c[36], const T& factor = T(Real<T>(1))) {
+/// Unsymmetric where the muscle grows. Array: T[36], or what takes c[i] = T.
+template <class T, class Array>
+void spatial_modulus(const PointUpdate<T>& u, Array&& c, const T& factor) {
   using V = Real<T>;
   const T c1 = factor * u.c1, c2 = factor * u.c2, half_c2 = c2 / V(2), zero(0);
   const T b1 = c2 * u.be[0], b2 = c2 * u.be[1], b3 = c2 * u.be[2];
   const T b12 = c2 * u.be[3], b13 = c2 * u.be[4], b23 = c2 * u.be[5];
   const T h1 = half_c2 * u.be[0], h2 = half_c2 * u.be[1], h3 = half_c2 * u.be[2];
   const T h12 = half_c2 * u.be[3], h13 = half_c2 * u.be[4], h23 = half_c2 * u.be[5];
+  const T* g = u.dtau_dG;
+  const bool grows = !is_zero(u.dG_dlambda);
+  const T weight = grows ? T(factor * u.dG_dlambda / u.lambda) : zero;
+  // Column j, the elastic part given: what growth adds is dtau/dG times (f⊗f)_j.
+  const auto column = [&](int j, const T& e1, const T& e2, const T& e3, const T& e4, const T& e5,
+                          const T& e6) {
+    if (grows) {
+      const T w = weight * u.f[symmetric_row(j)] * u.f[symmetric_column(j)];
+      c[6 * j] = e1 + g[0] * w, c[6 * j + 1] = e2 + g[1] * w, c[6 * j + 2] = e3 + g[2] * w;
+      c[6 * j + 3] = e4 + g[3] * w, c[6 * j + 4] = e5 + g[4] * w, c[6 * j + 5] = e6 + g[5] * w;
+    } else {
+      c[6 * j] = e1, c[6 * j + 1] = e2, c[6 * j + 2] = e3, c[6 * j + 3] = e4, c[6 * j + 4] = e5,
+            c[6 * j + 5] = e6;
+    }
+  };
   // clang-format off
-  const T elastic[36] = {c1 + b1 + b1, c1,           c1,           b12,     b13,     zero,
-                         c1,           c1 + b2 + b2, c1,           b12,     zero,    b23,
-                         c1,           c1,           c1 + b3 + b3, zero,    b13,     b23,
-                         b12,          b12,          zero,         h1 + h2, h23,     h13,
-                         b13,          zero,         b13,          h23,     h1 + h3, h12,
-                         zero,         b23,          b23,          h13,     h12,     h2 + h3};
+  column(0, c1 + b1 + b1, c1,           c1,           b12,     b13,     zero);
+  column(1, c1,           c1 + b2 + b2, c1,           b12,     zero,    b23);
+  column(2, c1,           c1,           c1 + b3 + b3, zero,    b13,     b23);
+  column(3, b12,          b12,          zero,         h1 + h2, h23,     h13);
+  column(4, b13,          zero,         b13,          h23,     h1 + h3, h12);
+  column(5, zero,         b23,          b23,          h13,     h12,     h2 + h3);
   // clang-format on
-  if (is_zero(u.dG_dlambda)) {
-    for (int i = 0; i < 36; ++i) c[i] = elastic[i];
-    return;
-  }
-  const T* f = u.f;
-  const T weight = factor * u.dG_dlambda / u.lambda;
-  const T ff[6] = {f[0] * f[0], f[1] * f[1], f[2] * f[2], f[0] * f[1], f[0] * f[2], f[1] * f[2]};
-  for (int j = 0; j < 6; ++j) {
-    const T column = weight * ff[j];
-    for (int i = 0; i < 6; ++i) c[6 * j + i] = elastic[6 * j + i] + u.dtau_dG[i] * column;
-  }
+}
+
+template <class T>
+void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
+  spatial_modulus(u, c, T(Real<T>(1)));
 }
 
 }  // namespace myogrowth

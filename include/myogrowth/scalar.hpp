@@ -83,14 +83,15 @@ class Exponent {
   template <class T>
   T operator()(const T& x) const {
     if (whole_ < 0) return pow(x, exponent_);
-    T product = half_ ? T(sqrt(x)) : T(Real<T>(1));
-    if (whole_ & 1) product = product * x;
+    if (whole_ == 0) return half_ ? T(sqrt(x)) : T(Real<T>(1));
+    T product = x;
     if (whole_ > 1) {
-      const T x2 = x * x;
-      if (whole_ & 2) product = product * x2;
-      if (whole_ & 4) product = product * (x2 * x2);
-      if (whole_ & 8) product = product * ((x2 * x2) * (x2 * x2));
+      const T x2 = x * x, x4 = x2 * x2;
+      product = whole_ < 4 ? x2 : whole_ < 8 ? x4 : T(x4 * x4);
+      if (whole_ & 1) product = product * x;
+      if (whole_ > 4 && whole_ & 2) product = product * x2;
     }
+    if (half_) product = product * sqrt(x);
     return product;
   }
 

@@ -19,6 +19,11 @@
 #include <arm_neon.h>
 #endif
 
+/// All that a function calls is put into it; never put into others. The packs' code is fast as one piece
+/// alone.
+#define MYOGROWTH_FLAT __attribute__((flatten))
+#define MYOGROWTH_APART __attribute__((noinline))
+
 namespace myogrowth {
 namespace simd {
 
@@ -57,19 +62,22 @@ constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(V));
 /// True or false in every lane: all bits of an integer of V's size.
 template <class V, int N>
 struct Mask {
-  typename Register<V, N>::Integers v;
+  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>, parts = N / width;
+  typename Register<V, width>::Integers v[parts];
 };
 
-/// N lanes of V.
+/// N lanes of V, in one register or in several side by side, whose operations hide each other's latency.
 template <class V, int N>
 struct Pack {
-  using Lanes = typename Register<V, N>::Lanes;
-  Lanes v;
+  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>, parts = N / width;
+  using Lanes = typename Register<V, width>::Lanes;
+  Lanes v[parts];
 
   Pack() = default;
-  Pack(Lanes lanes) : v(lanes) {}
   /// The same in every lane.
-  Pack(V x) : v(Lanes{} + x) {}
+  Pack(V x) {
+    for (Lanes& part : v) part = Lanes{} + x;
+  }
 
   /// From and to N numbers one after the other.
   static Pack load(const V* from) {
@@ -78,133 +86,251 @@ struct Pack {
     return p;
   }
   void store(V* to) const { std::memcpy(to, &v, sizeof v); }
-  V operator[](int lane) const { return v[lane]; }
-  void set(int lane, V x) { v[lane] = x; }
+  V operator[](int lane) const { return v[lane / width][lane % width]; }
+  void set(int lane, V x) { v[lane / width][lane % width] = x; }
+  /// One of its registers.
+  Pack<V, width> part(int k) const {
+    Pack<V, width> p;
+    p.v[0] = v[k];
+    return p;
+  }
 
-  friend Pack operator+(const Pack& a, const Pack& b) { return Pack(Lanes(a.v + b.v)); }
-  friend Pack operator-(const Pack& a, const Pack& b) { return Pack(Lanes(a.v - b.v)); }
-  friend Pack operator*(const Pack& a, const Pack& b) { return Pack(Lanes(a.v * b.v)); }
-  friend Pack operator/(const Pack& a, const Pack& b) { return divide(a, b); }
-  friend Pack operator-(const Pack& a) { return Pack(Lanes(-a.v)); }
-  friend Mask<V, N> operator<(const Pack& a, const Pack& b) { return {a.v < b.v}; }
-  friend Mask<V, N> operator>(const Pack& a, const Pack& b) { return {a.v > b.v}; }
-  friend Mask<V, N> operator<=(const Pack& a, const Pack& b) { return {a.v <= b.v}; }
-  friend Mask<V, N> operator>=(const Pack& a, const Pack& b) { return {a.v >= b.v}; }
-  friend Mask<V, N> operator==(const Pack& a, const Pack& b) { return {a.v == b.v}; }
+  friend Pack operator+(const Pack& a, const Pack& b) {
+    Pack c;
+    for (int k = 0; k < parts; ++k) c.v[k] = a.v[k] + b.v[k];
+    return c;
+  }
+  friend Pack operator-(const Pack& a, const Pack& b) {
+    Pack c;
+    for (int k = 0; k < parts; ++k) c.v[k] = a.v[k] - b.v[k];
+    return c;
+  }
+  friend Pack operator*(const Pack& a, const Pack& b) {
+    Pack c;
+    for (int k = 0; k < parts; ++k) c.v[k] = a.v[k] * b.v[k];
+    return c;
+  }
+  friend Pack operator/(const Pack& a, const Pack& b) {
+    Pack c;
+    for (int k = 0; k < parts; ++k) c.v[k] = divide(a.part(k), b.part(k));
+    return c;
+  }
+  friend Pack operator-(const Pack& a) {
+    Pack c;
+    for (int k = 0; k < parts; ++k) c.v[k] = -a.v[k];
+    return c;
+  }
+  friend Mask<V, N> operator<(const Pack& a, const Pack& b) {
+    Mask<V, N> m;
+    for (int k = 0; k < parts; ++k) m.v[k] = a.v[k] < b.v[k];
+    return m;
+  }
+  friend Mask<V, N> operator<=(const Pack& a, const Pack& b) {
+    Mask<V, N> m;
+    for (int k = 0; k < parts; ++k) m.v[k] = a.v[k] <= b.v[k];
+    return m;
+  }
+  friend Mask<V, N> operator==(const Pack& a, const Pack& b) {
+    Mask<V, N> m;
+    for (int k = 0; k < parts; ++k) m.v[k] = a.v[k] == b.v[k];
+    return m;
+  }
+  friend Mask<V, N> operator>(const Pack& a, const Pack& b) { return b < a; }
+  friend Mask<V, N> operator>=(const Pack& a, const Pack& b) { return b <= a; }
 };
 
 template <class V, int N>
 Mask<V, N> operator&(const Mask<V, N>& a, const Mask<V, N>& b) {
-  return {a.v & b.v};
+  Mask<V, N> m;
+  for (int k = 0; k < m.parts; ++k) m.v[k] = a.v[k] & b.v[k];
+  return m;
 }
 template <class V, int N>
 Mask<V, N> operator|(const Mask<V, N>& a, const Mask<V, N>& b) {
-  return {a.v | b.v};
+  Mask<V, N> m;
+  for (int k = 0; k < m.parts; ++k) m.v[k] = a.v[k] | b.v[k];
+  return m;
 }
 template <class V, int N>
 Mask<V, N> operator!(const Mask<V, N>& a) {
-  return {~a.v};
+  Mask<V, N> m;
+  for (int k = 0; k < m.parts; ++k) m.v[k] = ~a.v[k];
+  return m;
 }
 
 /// a where the mask is true, else b.
 template <class V, int N>
 Pack<V, N> select(const Mask<V, N>& mask, const Pack<V, N>& a, const Pack<V, N>& b) {
-  return Pack<V, N>(mask.v ? a.v : b.v);
+  Pack<V, N> c;
+  for (int k = 0; k < c.parts; ++k) c.v[k] = mask.v[k] ? a.v[k] : b.v[k];
+  return c;
 }
+
+// The few operations that a target has and the vector extensions have not, for one register.
+// (AVX-512's are masked with all lanes on: g++ 12 warns of the unmasked forms in its own header.)
+namespace detail {
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+template <class L>
+unsigned sign_bits(const L& v, std::integral_constant<int, 64>, double) {
+  return _mm512_movepi64_mask((__m512i)v);
+}
+template <class L>
+unsigned sign_bits(const L& v, std::integral_constant<int, 64>, float) {
+  return _mm512_movepi32_mask((__m512i)v);
+}
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 64>, double) {
+  return (L)_mm512_maskz_sqrt_pd(0xff, (__m512d)v);
+}
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 64>, float) {
+  return (L)_mm512_maskz_sqrt_ps(0xffff, (__m512)v);
+}
+template <class L>
+L rough_reciprocal(const L& v, double) {
+  return (L)_mm512_maskz_rcp14_pd(0xff, (__m512d)v);
+}
+template <class L>
+L rough_reciprocal(const L& v, float) {
+  return (L)_mm512_maskz_rcp14_ps(0xffff, (__m512)v);
+}
+template <class L>
+L fused(const L& a, const L& b, const L& c, double) {
+  return (L)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+}
+template <class L>
+L fused(const L& a, const L& b, const L& c, float) {
+  return (L)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c);
+}
+template <class L>
+L fused_minus(const L& a, const L& b, const L& c, double) {  // c - a b
+  return (L)_mm512_fnmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+}
+template <class L>
+L fused_minus(const L& a, const L& b, const L& c, float) {
+  return (L)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
+}
+#endif
+#if defined(__AVX__)
+template <class L>
+unsigned sign_bits(const L& v, std::integral_constant<int, 32>, double) {
+  return static_cast<unsigned>(_mm256_movemask_pd((__m256d)v));
+}
+template <class L>
+unsigned sign_bits(const L& v, std::integral_constant<int, 32>, float) {
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)v));
+}
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 32>, double) {
+  return (L)_mm256_sqrt_pd((__m256d)v);
+}
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 32>, float) {
+  return (L)_mm256_sqrt_ps((__m256)v);
+}
+#endif
+#if defined(__SSE2__)
+template <class L>
+unsigned sign_bits(const L& v, std::integral_constant<int, 16>, double) {
+  return static_cast<unsigned>(_mm_movemask_pd((__m128d)v));
+}
+template <class L>
+unsigned sign_bits(const L& v, std::integral_constant<int, 16>, float) {
+  return static_cast<unsigned>(_mm_movemask_ps((__m128)v));
+}
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 16>, double) {
+  return (L)_mm_sqrt_pd((__m128d)v);
+}
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 16>, float) {
+  return (L)_mm_sqrt_ps((__m128)v);
+}
+#else
+template <class L, class V>
+unsigned sign_bits(const L& v, std::integral_constant<int, 16>, V) {
+  unsigned all = 0;
+  for (int i = 0; i < static_cast<int>(sizeof(L) / sizeof(V)); ++i) all |= (v[i] < 0 ? 1u : 0u) << i;
+  return all;
+}
+#if defined(__aarch64__)
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 16>, double) {
+  return (L)vsqrtq_f64((float64x2_t)v);
+}
+template <class L>
+L square_root(const L& v, std::integral_constant<int, 16>, float) {
+  return (L)vsqrtq_f32((float32x4_t)v);
+}
+#else
+template <class L, class V>
+L square_root(L v, std::integral_constant<int, 16>, V) {
+  for (int i = 0; i < static_cast<int>(sizeof(L) / sizeof(V)); ++i) v[i] = std::sqrt(v[i]);
+  return v;
+}
+#endif
+#endif
+
+}  // namespace detail
 
 /// One bit a lane.
 template <class V, int N>
 unsigned bits(const Mask<V, N>& mask) {
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-  if constexpr (sizeof mask.v == 64 && sizeof(V) == 8) return _mm512_movepi64_mask((__m512i)mask.v);
-  if constexpr (sizeof mask.v == 64 && sizeof(V) == 4) return _mm512_movepi32_mask((__m512i)mask.v);
-#endif
-#if defined(__AVX__)
-  if constexpr (sizeof mask.v == 32 && sizeof(V) == 8)
-    return static_cast<unsigned>(_mm256_movemask_pd((__m256d)mask.v));
-  if constexpr (sizeof mask.v == 32 && sizeof(V) == 4)
-    return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask.v));
-#endif
-#if defined(__SSE2__)
-  if constexpr (sizeof mask.v == 16 && sizeof(V) == 8)
-    return static_cast<unsigned>(_mm_movemask_pd((__m128d)mask.v));
-  if constexpr (sizeof mask.v == 16 && sizeof(V) == 4)
-    return static_cast<unsigned>(_mm_movemask_ps((__m128)mask.v));
-#endif
   unsigned all = 0;
-  for (int i = 0; i < N; ++i) all |= (mask.v[i] != 0 ? 1u : 0u) << i;
+  for (int k = 0; k < mask.parts; ++k) {
+    all |= detail::sign_bits(mask.v[k], std::integral_constant<int, sizeof mask.v[0]>(), V())
+           << k * mask.width;
+  }
   return all;
 }
 /// Whether the mask is true in any lane.
 template <class V, int N>
-bool any(const Mask<V, N>& mask) {
-  return bits(mask) != 0;
+bool any(Mask<V, N> mask) {
+  for (int k = 1; k < mask.parts; ++k) mask.v[0] |= mask.v[k];
+  return detail::sign_bits(mask.v[0], std::integral_constant<int, sizeof mask.v[0]>(), V()) != 0;
 }
 
 /// a b + c, in one rounding where the target has that.
 template <class V, int N>
 Pack<V, N> multiply_add(const Pack<V, N>& a, const Pack<V, N>& b, const Pack<V, N>& c) {
-#if defined(__AVX512F__)
-  if constexpr (sizeof a.v == 64 && sizeof(V) == 8)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v));
-  if constexpr (sizeof a.v == 64 && sizeof(V) == 4)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm512_fmadd_ps((__m512)a.v, (__m512)b.v, (__m512)c.v));
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof a.v[0] == 64) {
+    Pack<V, N> d;
+    for (int k = 0; k < d.parts; ++k) d.v[k] = detail::fused(a.v[k], b.v[k], c.v[k], V());
+    return d;
+  }
 #endif
   return a * b + c;
 }
 
-/// a/b, correctly rounded up to an ulp. AVX-512's division takes as long as thirty multiplications, so there
-/// it is an approximate reciprocal, two Newton steps and a correction of the quotient; a divisor of 0,
-/// infinity or beyond the reciprocal's range gives NaN or infinity.
+/// a/b in one register, correctly rounded up to an ulp. AVX-512's division takes as long as thirty
+/// multiplications, so there it is an approximate reciprocal, a step of Halley's method and a correction of
+/// the quotient; a divisor of 0, infinity or beyond the reciprocal's range gives NaN or infinity.
 template <class V, int N>
-Pack<V, N> divide(const Pack<V, N>& a, const Pack<V, N>& b) {
-#if defined(__AVX512F__)
-  if constexpr (sizeof a.v == 64) {
-    using P = Pack<V, N>;
-    P r;
-    // (Masked with all lanes on: g++ 12 warns of the unmasked forms in its own header.)
-    // (Masked with all lanes on: g++ 12 warns of the unmasked forms in its own header.)
-    if constexpr (sizeof(V) == 8)
-      r.v = (typename P::Lanes)_mm512_maskz_rcp14_pd(0xff, (__m512d)b.v);
-    else
-      r.v = (typename P::Lanes)_mm512_maskz_rcp14_ps(0xffff, (__m512)b.v);
-    const P one(V(1));
-    r = multiply_add(r, multiply_add(-b, r, one), r);
-    if constexpr (sizeof(V) == 8) r = multiply_add(r, multiply_add(-b, r, one), r);
-    const P quotient = a * r;
-    return multiply_add(r, multiply_add(-b, quotient, a), quotient);
+typename Pack<V, N>::Lanes divide(const Pack<V, N>& a, const Pack<V, N>& b) {
+  static_assert(Pack<V, N>::parts == 1, "one register");
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof a.v[0] == 64) {
+    using L = typename Pack<V, N>::Lanes;
+    using detail::fused;
+    using detail::fused_minus;
+    const L one = Pack<V, N>(V(1)).v[0];
+    L r = detail::rough_reciprocal(b.v[0], V());  // good to 14 bits
+    const L e = fused_minus(b.v[0], r, one, V());
+    r = sizeof(V) == 8 ? fused(r, fused(e, e, e, V()), r, V()) : fused(r, e, r, V());  // to 42, 28
+    const L quotient = a.v[0] * r;
+    return fused(fused_minus(b.v[0], quotient, a.v[0], V()), r, quotient, V());
   }
 #endif
-  return Pack<V, N>(typename Pack<V, N>::Lanes(a.v / b.v));
+  return a.v[0] / b.v[0];
 }
 
 template <class V, int N>
 Pack<V, N> sqrt(const Pack<V, N>& x) {
-#if defined(__AVX512F__)
-  if constexpr (sizeof x.v == 64 && sizeof(V) == 8)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm512_maskz_sqrt_pd(0xff, (__m512d)x.v));
-  if constexpr (sizeof x.v == 64 && sizeof(V) == 4)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm512_maskz_sqrt_ps(0xffff, (__m512)x.v));
-#endif
-#if defined(__AVX__)
-  if constexpr (sizeof x.v == 32 && sizeof(V) == 8)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm256_sqrt_pd((__m256d)x.v));
-  if constexpr (sizeof x.v == 32 && sizeof(V) == 4)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm256_sqrt_ps((__m256)x.v));
-#endif
-#if defined(__SSE2__)
-  if constexpr (sizeof x.v == 16 && sizeof(V) == 8)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm_sqrt_pd((__m128d)x.v));
-  if constexpr (sizeof x.v == 16 && sizeof(V) == 4)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)_mm_sqrt_ps((__m128)x.v));
-#elif defined(__aarch64__)
-  if constexpr (sizeof x.v == 16 && sizeof(V) == 8)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)vsqrtq_f64((float64x2_t)x.v));
-  if constexpr (sizeof x.v == 16 && sizeof(V) == 4)
-    return Pack<V, N>((typename Pack<V, N>::Lanes)vsqrtq_f32((float32x4_t)x.v));
-#endif
   Pack<V, N> y;
-  for (int i = 0; i < N; ++i) y.v[i] = std::sqrt(x.v[i]);
+  for (int k = 0; k < y.parts; ++k)
+    y.v[k] = detail::square_root(x.v[k], std::integral_constant<int, sizeof x.v[0]>(), V());
   return y;
 }
 
@@ -237,22 +363,26 @@ P horner(const P& x, const double* c, int n) {
   return sum;
 }
 
-/// ln(u + error) for u normal and > 0, |error| below u's rounding.
+/// ln(u + error) for u normal and > 0, |error| below u's rounding; one register.
 template <class V, int N>
-Pack<V, N> log_of_sum(const Pack<V, N>& u, const Pack<V, N>& error) {
+typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& error) {
   using P = Pack<V, N>;
-  using R = Register<V, N>;
+  using Lanes = typename P::Lanes;
   using F = Format<V>;
-  using Bits = typename R::Bits;
+  using Bits = typename Register<V, N>::Bits;
+  using Unsigned = typename Register<V, N>::Unsigned;
+  const auto number = [](const Bits& b) {
+    P p;
+    p.v[0] = (Lanes)b;
+    return p;
+  };
   // u = 2^k m, m in [sqrt(1/2), sqrt(2))
-  const Bits u_bits = (Bits)u.v;
+  const Bits u_bits = (Bits)u.v[0];
   const Bits exponent = (u_bits + (F::one - F::sqrt_half)) >> F::digits;  // k + bias
-  const Bits m_bits = u_bits - ((exponent - static_cast<typename R::Unsigned>(F::bias)) << F::digits);
-  const P k = P((typename P::Lanes)(Bits)(exponent | F::magic)) -
-              P((typename P::Lanes)(Bits)(Bits{} + F::magic)) - P(V(F::bias));
-  const P per_2k =
-      P((typename P::Lanes)(Bits)((static_cast<typename R::Unsigned>(2 * F::bias) - exponent) << F::digits));
-  const P f = (P((typename P::Lanes)m_bits) - P(V(1))) + error * per_2k;
+  const P m = number(u_bits - ((exponent - static_cast<Unsigned>(F::bias)) << F::digits));
+  const P k = number(exponent | F::magic) - number(Bits{} + F::magic) - P(V(F::bias));
+  const P per_2k = number((static_cast<Unsigned>(2 * F::bias) - exponent) << F::digits);
+  const P f = (m - P(V(1))) + error * per_2k;
   // ln(1 + f) = 2 artanh(s) = f - (f^2/2 - s (f^2/2 + z Q(z))); Q by Chebyshev interpolation, error 3e-16
   static constexpr double Q[] = {0.14616585424888621989, 0.15331710618210771568, 0.18182889455674946039,
                                  0.22222211130259877029, 0.28571428626003268742, 0.39999999999899443233,
@@ -262,7 +392,34 @@ Pack<V, N> log_of_sum(const Pack<V, N>& u, const Pack<V, N>& error) {
   const P half_square = P(V(0.5)) * f * f;
   const P r = z * horner(z, Q, 7);
   const P small = half_square - (s * (half_square + r) + k * P(F::ln2_low));
-  return k * P(F::ln2_high) - (small - f);
+  return (k * P(F::ln2_high) - (small - f)).v[0];
+}
+
+/// e^x; one register.
+template <class V, int N>
+typename Pack<V, N>::Lanes exponential(const Pack<V, N>& x) {
+  using P = Pack<V, N>;
+  using Lanes = typename P::Lanes;
+  using F = Format<V>;
+  using Bits = typename Register<V, N>::Bits;
+  const P low(F::least_exponent), high(F::most_exponent);
+  const P y = select(x < low, low, select(x > high, high, x));
+  // Round to the nearest integer by adding a number whose last digit is 1.
+  P shift;
+  shift.v[0] = (Lanes)(Bits{} + F::magic);
+  shift = shift * P(V(1.5));
+  const P shifted = multiply_add(y, P(static_cast<V>(1.4426950408889634)), shift);
+  const P k = shifted - shift;
+  const P r = multiply_add(k, P(-F::ln2_low), multiply_add(k, P(-F::ln2_high), y));
+  static constexpr double E[] = {2.5100385495510319078e-8,  2.7620088445409748161e-7,
+                                 2.7557268459997064772e-6,  0.000024801521295954375131,
+                                 0.00019841269863053616878, 0.0013888888917213716901,
+                                 0.0083333333333300618325,  0.041666666666624127873,
+                                 0.16666666666666667453,    0.50000000000000010221};
+  const P e = P(V(1)) + multiply_add(r * r, horner(r, E, 10), r);
+  P two_k;
+  two_k.v[0] = (Lanes)(((Bits)shifted.v[0] << F::digits) + F::one);
+  return select(x < low, P(V(0)), e * two_k).v[0];
 }
 
 }  // namespace detail
@@ -275,36 +432,26 @@ Pack<V, N> log1p(const Pack<V, N>& x) {
   const P u = one + x;
   // What rounding took from the larger of the two.
   const P error = select(x < one, x - (u - one), one - (u - x));
-  return detail::log_of_sum(u, error);
+  P y;
+  for (int k = 0; k < y.parts; ++k) y.v[k] = detail::log_of_sum(u.part(k), error.part(k));
+  return y;
 }
 
 /// ln(x), x normal and > 0.
 template <class V, int N>
 Pack<V, N> log(const Pack<V, N>& x) {
-  return detail::log_of_sum(x, Pack<V, N>(V(0)));
+  Pack<V, N> y;
+  const auto exact = Pack<V, N>(V(0)).part(0);
+  for (int k = 0; k < y.parts; ++k) y.v[k] = detail::log_of_sum(x.part(k), exact);
+  return y;
 }
 
 /// e^x; 0 where that is below the normal range, and no more than the largest power of 2 above it.
 template <class V, int N>
 Pack<V, N> exp(const Pack<V, N>& x) {
-  using P = Pack<V, N>;
-  using F = detail::Format<V>;
-  using Bits = typename Register<V, N>::Bits;
-  const P low(F::least_exponent), high(F::most_exponent);
-  const P y = select(x < low, low, select(x > high, high, x));
-  // Round to the nearest integer by adding a number whose last digit is 1.
-  const P shift = P((typename P::Lanes)(Bits)(Bits{} + F::magic)) * P(V(1.5));
-  const P shifted = multiply_add(y, P(static_cast<V>(1.4426950408889634)), shift);
-  const P k = shifted - shift;
-  const P r = multiply_add(k, P(-F::ln2_low), multiply_add(k, P(-F::ln2_high), y));
-  static constexpr double E[] = {2.5100385495510319078e-8,  2.7620088445409748161e-7,
-                                 2.7557268459997064772e-6,  0.000024801521295954375131,
-                                 0.00019841269863053616878, 0.0013888888917213716901,
-                                 0.0083333333333300618325,  0.041666666666624127873,
-                                 0.16666666666666667453,    0.50000000000000010221};
-  const P e = P(V(1)) + multiply_add(r * r, detail::horner(r, E, 10), r);
-  const P two_k((typename P::Lanes)(Bits)(((Bits)shifted.v << F::digits) + F::one));
-  return select(x < low, P(V(0)), e * two_k);
+  Pack<V, N> y;
+  for (int k = 0; k < y.parts; ++k) y.v[k] = detail::exponential(x.part(k));
+  return y;
 }
 
 /// x^exponent for x >= 0 by logarithm and exponential; the relative error grows like |exponent ln x|.

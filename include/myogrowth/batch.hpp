@@ -1,0 +1,558 @@
+/// @file
+/// The update of many points at once: the law's own template with a SIMD pack as its scalar (simd.hpp).
+///
+/// Every point is one lane of a pack. A lane's result is the same bits wherever it stands and however many
+/// points there are, and agrees with update_point to rounding. What a pack is not made for (removal, gamma <
+/// 1, the second-order step, a step that Newton's method cannot take in its stride; a point without a result)
+/// is done by the scalar routines, point by point.
+///
+///   myogrowth::batch::Input in{soa(F, n), shared(n0), soa(G, n), shared(&dt)};
+///   myogrowth::batch::Output out{soa(stress, n), soa(G, n), soa(ddsdde, n)};
+///   std::ptrdiff_t failed = update_batch<Tangent::full>(material, n, in, out);
+///
+/// Points are independent: give parts of them to threads as you like. Compile with the target's flags (-mavx2
+/// -mfma, -march=native, ...) and -O3; contraction to fused multiply-adds is welcome.
+#ifndef MYOGROWTH_BATCH_HPP
+#define MYOGROWTH_BATCH_HPP
+
+#include <cstddef>
+
+#include "kernel.hpp"
+#include "measures.hpp"
+#include "simd.hpp"
+
+namespace myogrowth {
+
+/// The stress that is asked for, and the tangent that goes with it.
+enum class Measure {
+  cauchy,       ///< sigma, 6: 11 22 33 12 13 23; DDSDDE, 36
+  first_piola,  ///< P, 9, column by column; dP/dF, 81 at (i + 3J) + 9 (k + 3L)
+  second_piola  ///< S, 6; dS/dE, 36
+};
+/// How much of the tangent.
+enum class Tangent {
+  none,
+  full,
+  compact  ///< with Measure::cauchy: the 7 numbers of CompactTangent
+};
+
+/// The tangent in 7 numbers and the stress: enough to apply it or to write it out.
+///
+///   J DDSDDE:D = c1 tr(D) I + B D + D B + weight (f . D f) dtau/dG,   B = c2 b_e = J sigma - shift I,
+///   dtau/dG = -(c1 I + 2 c2/G^2 f⊗f)/G  (+ J sigma/G with EnergyPer::grown_volume, where c1 and c2 count G
+///   times)
+template <class T>
+struct CompactTangent {
+  T f[3];    ///< deformed fibre F n0 [-]
+  T weight;  ///< dG/dlambda/lambda [-]
+  T shift;   ///< c1 ln(J_e) - c2 [stress]
+  T G, J;    ///< sarcomere number and volume ratio [-]
+
+  /// DDSDDE[36] from the numbers and the Cauchy stress[6].
+  template <class P>
+  void expand(const FibreGrowth<P>& material, const T stress[6], T ddsdde[36]) const {
+    PointUpdate<T> u;
+    const T one(Real<T>(1)), per_G = one / G;
+    const bool grown = material.energy == EnergyPer::grown_volume;
+    u.c1 = grown ? T(G * material.c1) : T(material.c1);
+    u.c2 = grown ? T(G * material.c2) : T(material.c2);
+    u.lambda = one;
+    u.dG_dlambda = weight;
+    for (int a = 0; a < 6; ++a) {
+      const T tau = J * stress[a], ff = f[symmetric_row(a)] * f[symmetric_column(a)];
+      u.be[a] = (a < 3 ? T(tau - shift) : tau) / u.c2;
+      u.dtau_dG[a] = -(u.c2 + u.c2) * per_G * per_G * per_G * ff;
+      if (a < 3) u.dtau_dG[a] = u.dtau_dG[a] - u.c1 * per_G;
+      if (grown) u.dtau_dG[a] = u.dtau_dG[a] + tau * per_G;
+    }
+    for (int i = 0; i < 3; ++i) u.f[i] = f[i];
+    spatial_modulus(u, ddsdde, T(one / J));
+  }
+};
+
+/// Numbers of one kind of all points, `component` many each. Where component c of point i lies:
+namespace batch {
+
+/// One array per component, n (or more) apart.
+template <class V>
+struct Soa {
+  V* data;
+  std::ptrdiff_t n;
+  struct Place {
+    V* data;
+    std::ptrdiff_t n;
+    V* operator()(int c) const { return data + c * n; }
+  };
+  Place from(std::ptrdiff_t i) const { return {data + i, n}; }
+};
+/// One point after the other.
+template <class V, int components>
+struct Aos {
+  V* data;
+  struct Place {
+    V* data;
+    V* operator()(int c) const { return data + c; }
+  };
+  Place from(std::ptrdiff_t i) const { return {data + i * components}; }
+};
+/// Blocks of `block` points, a multiple of the lanes; in a block one component after the other. The fastest.
+template <class V, int components, int block = 16>
+struct Aosoa {
+  V* data;
+  struct Place {
+    V* data;
+    V* operator()(int c) const { return data + c * block; }
+  };
+  Place from(std::ptrdiff_t i) const { return {data + i / block * (block * components) + i % block}; }
+};
+/// The same for all points.
+template <class V>
+struct Shared {
+  V* data;
+  struct Place {
+    V* data;
+    V* operator()(int c) const { return data + c; }
+  };
+  Place from(std::ptrdiff_t) const { return {data}; }
+};
+/// Not there: what would be written is not.
+struct None {
+  struct Place {};
+};
+
+template <class V>
+Soa<V> soa(V* data, std::ptrdiff_t n) {
+  return {data, n};
+}
+template <int components, class V>
+Aos<V, components> aos(V* data) {
+  return {data};
+}
+template <int components, int block = 16, class V = double>
+Aosoa<V, components, block> aosoa(V* data) {
+  return {data};
+}
+template <class V>
+Shared<V> shared(V* data) {
+  return {data};
+}
+
+/// What goes in: F (9, column by column), n0 (3, of any length > 0), G_n, dt [time]; and, for the
+/// second-order step, lambda_n.
+template <class F_, class N0, class G_, class Dt, class Lambda = None>
+struct Input {
+  F_ F;
+  N0 n0;
+  G_ G;
+  Dt dt;
+  Lambda lambda{};
+};
+template <class F_, class N0, class G_, class Dt>
+Input(F_, N0, G_, Dt) -> Input<F_, N0, G_, Dt>;
+
+/// What comes out: stress; G; tangent; and, if asked for, scalars (5): lambda_e, lambda, J, Je, psi. G may be
+/// the place that G_n came from. Where a point has no result its G is as it was and the rest is NaN.
+template <class Stress, class G_, class Tangent_ = None, class Scalars = None>
+struct Output {
+  Stress stress;
+  G_ G;
+  Tangent_ tangent{};
+  Scalars scalars{};
+};
+template <class Stress, class G_>
+Output(Stress, G_) -> Output<Stress, G_>;
+template <class Stress, class G_, class Tangent_>
+Output(Stress, G_, Tangent_) -> Output<Stress, G_, Tangent_>;
+
+namespace detail {
+
+using namespace myogrowth::detail;
+using namespace myogrowth::simd;
+
+/// N points from point i on: packs read, p[c], and written, p[c] = x.
+template <class V, int N, class View>
+struct Points {
+  typename View::Place at;
+  Points(const View& view, std::ptrdiff_t i) : at(view.from(i)) {}
+  Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
+  void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
+};
+template <class V, int N, class W>
+struct Points<V, N, Shared<W>> {
+  const W* data;
+  Points(const Shared<W>& view, std::ptrdiff_t) : data(view.data) {}
+  Pack<V, N> load(int c) const { return Pack<V, N>(data[c]); }
+};
+template <class V, int N, class W, int components>
+struct Points<V, N, Aos<W, components>> {
+  W* data;
+  Points(const Aos<W, components>& view, std::ptrdiff_t i) : data(view.data + i * components) {}
+  Pack<V, N> load(int c) const {
+    Pack<V, N> p;
+    for (int lane = 0; lane < N; ++lane) p.set(lane, data[lane * components + c]);
+    return p;
+  }
+  void store(int c, const Pack<V, N>& p) const {
+    for (int lane = 0; lane < N; ++lane) data[lane * components + c] = p[lane];
+  }
+};
+template <class V, int N>
+struct Points<V, N, None> {
+  Points(None, std::ptrdiff_t) {}
+  Pack<V, N> load(int) const { return Pack<V, N>(V(1)); }
+  void store(int, const Pack<V, N>&) const {}
+};
+
+/// What writes c[k] = x into a view.
+template <class V, int N, class View>
+struct Writer {
+  Points<V, N, View> points;
+  struct Entry {
+    const Points<V, N, View>& points;
+    int c;
+    void operator=(const Pack<V, N>& p) const { points.store(c, p); }
+  };
+  Entry operator[](int c) const { return {points, c}; }
+};
+
+template <class V, class View>
+V load_one(const View& view, int c, std::ptrdiff_t i) {
+  return *view.from(i)(c);
+}
+template <class V>
+V load_one(None, int, std::ptrdiff_t) {
+  return V(1);
+}
+template <class V, class View>
+void store_one(const View& view, int c, std::ptrdiff_t i, V x) {
+  *view.from(i)(c) = x;
+}
+template <class V>
+void store_one(None, int, std::ptrdiff_t, V) {}
+
+/// What all packs of a batch have in common.
+template <class V>
+struct Common {
+  const FibreGrowth<V>& material;
+  const Exponent<V> to_gamma, to_gamma_minus_1;
+  const V per_time, per_width, per_crit;
+  const V most_of_G, most_of_room;  ///< of what a last Newton step may be: is_last_step, growth_solve.hpp
+  const bool in_packs;
+
+  explicit Common(const FibreGrowth<V>& m)
+      : material(m),
+        to_gamma(m.growth.gamma),
+        to_gamma_minus_1(m.growth.gamma - V(1)),
+        per_time(V(1) / m.growth.growth_time),
+        per_width(V(1) / (m.growth.G_max - V(1))),
+        per_crit(V(1) / m.growth.lambda_crit),
+        most_of_G(std::numeric_limits<V>::epsilon() / of_room()),
+        most_of_room(2 * of_room() / (V(1) + m.growth.gamma)),
+        in_packs(m.integration == TimeIntegration::backward_euler && m.growth.gamma >= 1) {}
+
+ private:
+  static constexpr V of_room() {
+    return V(1) / static_cast<V>(1ll << ((std::numeric_limits<V>::digits - 1) / 3));
+  }
+};
+
+/// The start of a long step (growth_solve.hpp), lane by lane.
+template <class V, int N>
+Pack<V, N> long_step_start(const Common<V>& common, const Pack<V, N>& A, const Pack<V, N>& E,
+                           const Pack<V, N>& lambda, const Pack<V, N>& G_n, const Pack<V, N>& room_n,
+                           const Pack<V, N>& end) {
+  using P = Pack<V, N>;
+  const GrowthRate<V>& rate = common.material.growth;
+  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit);
+  const P way = end - G_n, bound = E * end * way / A;
+  const P q_end = lambda - crit * end, k_end = common.to_gamma(P((P(rate.G_max) - end) / room_n));
+  P u = way;
+  const auto tighten = [&u, &zero](const Mask<V, N>& there, const P& candidate) {
+    u = select(there & (candidate < u), candidate, u);
+  };
+  tighten(q_end > zero, room_n * pow(P(bound / select(q_end > zero, q_end, one)), V(1) / rate.gamma));
+  tighten(k_end > zero, bound / (crit * select(k_end > zero, k_end, one)));
+  tighten(one > zero, room_n * pow(P(bound / (crit * room_n)), V(1) / (rate.gamma + V(1))));
+  const P start = end - u * P(V(1) + 64 * std::numeric_limits<V>::epsilon());
+  return select(start > G_n, start, G_n);
+}
+
+/// Backward Euler for the lanes that grow, gamma >= 1, as growth_solve.hpp has it. `left` are the lanes that
+/// need the scalar routine.
+template <class V, int N>
+void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N>& G_n,
+               const Pack<V, N>& lambda, const Pack<V, N>& dt, Pack<V, N>& G_end, Pack<V, N>& dG_dlambda,
+               Mask<V, N>& left) {
+  using P = Pack<V, N>;
+  const GrowthRate<V>& rate = common.material.growth;
+  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
+  const P room_n = select(grows, limit - G_n, one), per_room = one / room_n;
+  const P a = dt * P(common.per_time) * common.to_gamma(P(room_n * P(common.per_width)));
+  P A = a, E = one;
+  const auto steep = a > one;
+  if (any(steep & grows)) {
+    E = select(steep, one / a, one);
+    A = select(steep, one, a);
+  }
+  P end = lambda * P(common.per_crit);
+  end = select(end < limit, end, limit);
+  const P q_n = lambda - crit * G_n, gamma_per_room = gamma * per_room;
+
+  // The start: Bernoulli's, or that of a long step.
+  const P b = E * G_n + A * (crit + gamma_per_room * q_n), c = A * q_n;
+  const P discriminant = b * b + P(V(4)) * (E - A * gamma_per_room * crit) * c;
+  P G = G_n + (c + c) / (b + sqrt(select(discriminant > zero, discriminant, zero)));
+  const auto is_long = grows & (c > E * G_n * (end - G_n));
+  if (any(is_long)) G = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G);
+  G = select(G < end, G, select(is_long, end, G_n));
+
+  const P most_of_G(common.most_of_G), most_of_room(common.most_of_room);
+  Mask<V, N> active = grows;
+  constexpr int patience = 24;
+  for (int iteration = 0; iteration < patience && any(active); ++iteration) {
+    const P room = limit - G;
+    const P x = room * per_room;
+    const P k_over_x = A * common.to_gamma_minus_1(x);
+    const P k = k_over_x * x, q = lambda - crit * G;
+    const P to_do = k * q - E * G * (G - G_n);
+    const P slope = E * (G + G - G_n) + gamma_per_room * k_over_x * q + k * crit;
+    const P step = to_do * G / (slope * G + to_do);
+    const P next = G + step;
+    const auto inside = next < end;
+    // A lane that is done stays as it is, whatever its neighbours do. (Below G: rounding.)
+    G = select(active & (next > G), select(inside, next, end), G);
+    active = active & inside & !((step <= most_of_G * next) & (step <= most_of_room * room));
+  }
+  left = active;
+
+  G = select(G > G_n, G, G_n);
+  G = select(G < end, G, end);
+  const P room = limit - G;
+  const P k = A * common.to_gamma(P(room * per_room));
+  const P slope = (E * (G + G - G_n) + k * crit) * room + gamma * E * G * (G - G_n);
+  const auto moves = grows & (room > zero) & (slope > zero);
+  G_end = select(grows, select(room > zero, G, limit), G_n);
+  dG_dlambda = select(moves, k * room / select(moves, slope, one), zero);
+}
+
+/// One point by the scalar routines.
+template <Tangent tangent, Measure measure, class V, class In, class Out>
+MYOGROWTH_APART Status update_one(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
+                                  const Out& out) {
+  V F[9], n0[3];
+  for (int c = 0; c < 9; ++c) F[c] = load_one<V>(in.F, c, i);
+  for (int c = 0; c < 3; ++c) n0[c] = load_one<V>(in.n0, c, i);
+  const V G_n = load_one<V>(in.G, 0, i);
+  PointUpdate<V> u;
+  update_point(material, F, n0, G_n, load_one<V>(in.lambda, 0, i), load_one<V>(in.dt, 0, i), u);
+  V stress[9], c[36], moduli[81];
+  if constexpr (measure == Measure::cauchy) cauchy_from_kirchhoff(u.J, u.tau, stress);
+  if constexpr (measure == Measure::first_piola) first_piola_from_kirchhoff(F, u.tau, stress);
+  if constexpr (measure == Measure::second_piola) second_piola_from_kirchhoff(F, u.tau, stress);
+  constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
+  for (int k = 0; k < n_stress; ++k)
+    store_one(out.stress, k, i, u.status == Status::ok ? stress[k] : u.tau[0]);
+  store_one(out.G, 0, i, u.G);
+  const V scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
+  for (int k = 0; k < 5; ++k) store_one(out.scalars, k, i, scalars[k]);
+  if constexpr (tangent == Tangent::compact) {
+    const V compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0],
+                          u.G,    u.J};
+    for (int k = 0; k < 7; ++k) store_one(out.tangent, k, i, compact[k]);
+  }
+  if constexpr (tangent == Tangent::full) {
+    constexpr int n = measure == Measure::first_piola ? 81 : 36;
+    if (u.status == Status::ok) {
+      spatial_modulus(u, c, measure == Measure::cauchy ? V(1) / u.J : V(1));
+      if constexpr (measure == Measure::first_piola) dP_dF_from_jaumann(F, u.tau, c, moduli);
+      if constexpr (measure == Measure::second_piola) dS_dE_from_jaumann(F, u.tau, c, moduli);
+    }
+    for (int k = 0; k < n; ++k) {
+      store_one(out.tangent, k, i,
+                u.status != Status::ok       ? u.tau[0]
+                : measure == Measure::cauchy ? c[k % 36]
+                                             : moduli[k]);
+    }
+  }
+  return u.status;
+}
+
+/// N points from point i on, as one pack. Returns a bit for every lane that has to be done by update_one
+/// instead.
+template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
+MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, const In& in, const Out& out) {
+  using P = Pack<V, N>;
+  const FibreGrowth<V>& material = common.material;
+  const Points<V, N, std::decay_t<decltype(in.F)>> F_in(in.F, i);
+  const Points<V, N, std::decay_t<decltype(in.n0)>> n_in(in.n0, i);
+  const Points<V, N, std::decay_t<decltype(in.G)>> G_in(in.G, i);
+  const Points<V, N, std::decay_t<decltype(in.dt)>> dt_in(in.dt, i);
+  const Points<V, N, std::decay_t<decltype(out.stress)>> stress_out(out.stress, i);
+  const Points<V, N, std::decay_t<decltype(out.G)>> G_out(out.G, i);
+  const Points<V, N, std::decay_t<decltype(out.tangent)>> tangent_out(out.tangent, i);
+  const Points<V, N, std::decay_t<decltype(out.scalars)>> scalars_out(out.scalars, i);
+  const P zero(V(0)), one(V(1));
+  P F[9], n[3];
+  for (int c = 0; c < 9; ++c) F[c] = F_in.load(c);
+  for (int c = 0; c < 3; ++c) n[c] = n_in.load(c);
+  const P G_n = G_in.load(0), dt = dt_in.load(0);
+
+  // As normalise() has it; a vector so short or long that its square is out of range is left to that.
+  const P square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const P rounding(4 * std::numeric_limits<V>::epsilon());
+  const auto is_unit = (-rounding <= square - one) & (square - one <= rounding);
+  if (any(!is_unit)) {
+    const P per_length = select(is_unit, one, one / sqrt(square));
+    for (int c = 0; c < 3; ++c) n[c] = n[c] * per_length;
+  }
+  auto bad = !((square > P(std::numeric_limits<V>::min() / std::numeric_limits<V>::epsilon())) &
+               (square < P(std::numeric_limits<V>::max())) & (G_n > zero));
+
+  Deformation<P> d;
+  deform(F, n, d);
+  PointUpdate<P> u;
+  u.J = one + d.J_minus_1;
+  u.lambda = d.lambda;
+  for (int c = 0; c < 3; ++c) u.f[c] = d.f[c];
+  bad = bad | !(u.J > zero);
+
+  const auto steps = (dt > zero) & !bad;
+  const auto grows =
+      steps & (d.lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max));
+  P G = G_n;
+  u.dG_dlambda = zero;
+  if (any(grows)) {
+    auto left = grows;
+    if (common.in_packs) grow_pack(common, grows, G_n, d.lambda, dt, G, u.dG_dlambda, left);
+    bad = bad | left;
+  }
+  if (material.removal.removal_time > 0) {
+    bad = bad | (steps & !grows & (d.lambda < P(material.removal.lambda_crit) * G_n) &
+                 (G_n > P(material.removal.G_min)));
+  }
+  stress(material, d, G, u);
+
+  P check = u.tau[0];
+  for (int c = 1; c < 6; ++c) check = check + u.tau[c];
+  if (tangent != Tangent::none) {
+    for (int c = 0; c < 6; ++c) check = check + u.dtau_dG[c] * u.dG_dlambda;
+  }
+  bad = bad | !(check - check == zero) | !(dt - dt == zero);
+
+  G_out.store(0, select(bad, G_n, G));
+  const P scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
+  for (int c = 0; c < 5; ++c) scalars_out.store(c, scalars[c]);
+  const P factor = measure == Measure::cauchy ? one / u.J : one;
+  if constexpr (measure == Measure::cauchy) {
+    for (int c = 0; c < 6; ++c) stress_out.store(c, u.tau[c] * factor);
+  } else {
+    constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
+    P host[n_stress];
+    if constexpr (measure == Measure::first_piola) {
+      first_piola_from_kirchhoff(F, u.tau, host);
+    } else {
+      second_piola_from_kirchhoff(F, u.tau, host);
+    }
+    for (int c = 0; c < n_stress; ++c) stress_out.store(c, host[c]);
+  }
+  if constexpr (tangent == Tangent::compact) {
+    const P compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0], G, u.J};
+    for (int c = 0; c < 7; ++c) tangent_out.store(c, compact[c]);
+  }
+  if constexpr (tangent == Tangent::full && measure == Measure::cauchy) {
+    spatial_modulus(u, Writer<V, N, std::decay_t<decltype(out.tangent)>>{tangent_out}, factor);
+  }
+  if constexpr (tangent == Tangent::full && measure != Measure::cauchy) {
+    constexpr int n_moduli = measure == Measure::first_piola ? 81 : 36;
+    P c[36], moduli[n_moduli];
+    spatial_modulus(u, c, factor);
+    if constexpr (measure == Measure::first_piola) {
+      dP_dF_from_jaumann(F, u.tau, c, moduli);
+    } else {
+      dS_dE_from_jaumann(F, u.tau, c, moduli);
+    }
+    for (int k = 0; k < n_moduli; ++k) tangent_out.store(k, moduli[k]);
+  }
+  return bits(bad);
+}
+
+/// What a pack of fewer points than lanes reads and writes: arrays of its own, the last point repeated.
+template <class V, int N, int components>
+struct Padded {
+  V data[N * components];
+  Soa<V> view() { return {data, N}; }
+  template <class View>
+  void fill(const View& view, std::ptrdiff_t i, int points) {
+    for (int c = 0; c < components; ++c) {
+      for (int lane = 0; lane < N; ++lane)
+        data[c * N + lane] = load_one<V>(view, c, i + (lane < points ? lane : points - 1));
+    }
+  }
+  template <class View>
+  void give(const View& view, std::ptrdiff_t i, int points) const {
+    for (int c = 0; c < components; ++c) {
+      for (int lane = 0; lane < points; ++lane) store_one(view, c, i + lane, data[c * N + lane]);
+    }
+  }
+};
+
+template <Tangent tangent, Measure measure>
+constexpr int n_tangent = tangent == Tangent::compact       ? 7
+                          : tangent == Tangent::none        ? 1
+                          : measure == Measure::first_piola ? 81
+                                                            : 36;
+
+template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
+MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i, int points, const In& in,
+                                       const Out& out) {
+  Padded<V, N, 9> F;
+  Padded<V, N, 3> n0;
+  Padded<V, N, 1> G, dt, lambda, G_end;
+  F.fill(in.F, i, points);
+  n0.fill(in.n0, i, points);
+  G.fill(in.G, i, points);
+  dt.fill(in.dt, i, points);
+  lambda.fill(in.lambda, i, points);
+  Padded<V, N, measure == Measure::first_piola ? 9 : 6> stress;
+  Padded<V, N, n_tangent<tangent, measure>> moduli;
+  Padded<V, N, 5> scalars;
+  const Input<Soa<V>, Soa<V>, Soa<V>, Soa<V>, Soa<V>> padded_in{F.view(), n0.view(), G.view(), dt.view(),
+                                                                lambda.view()};
+  const Output<Soa<V>, Soa<V>, Soa<V>, Soa<V>> padded_out{stress.view(), G_end.view(), moduli.view(),
+                                                          scalars.view()};
+  const unsigned bad = update_pack<tangent, measure, N>(common, 0, padded_in, padded_out);
+  stress.give(out.stress, i, points);
+  G_end.give(out.G, i, points);
+  if constexpr (tangent != Tangent::none) moduli.give(out.tangent, i, points);
+  scalars.give(out.scalars, i, points);
+  return bad & ~(~0u << points);
+}
+
+}  // namespace detail
+}  // namespace batch
+
+/// One step of n points of one material. Returns how many have no result (det F <= 0, no fibre, G <= 0, or
+/// not finite). N: the lanes of a pack, by default as many as the compiler's target has.
+template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
+          class Out>
+std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
+  static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
+  constexpr int lanes = N > 0 ? N : 2 * simd::native_lanes<V>;
+  const batch::detail::Common<V> common(material);
+  std::ptrdiff_t failed = 0;
+  for (std::ptrdiff_t i = 0; i < n; i += lanes) {
+    const bool whole = n - i >= lanes;
+    unsigned bad = whole ? batch::detail::update_pack<tangent, measure, lanes>(common, i, in, out)
+                         : batch::detail::update_padded<tangent, measure, lanes>(
+                               common, i, static_cast<int>(n - i), in, out);
+    for (int lane = 0; bad != 0; ++lane, bad >>= 1) {
+      if (bad & 1)
+        failed += batch::detail::update_one<tangent, measure>(material, i + lane, in, out) != Status::ok;
+    }
+  }
+  return failed;
+}
+
+}  // namespace myogrowth
+
+#endif
