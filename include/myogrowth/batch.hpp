@@ -301,7 +301,10 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   // The start: Bernoulli's, or that of a long step.
   const P b = E * G_n + A * (crit + gamma_per_room * q_n), c = A * q_n;
   const P discriminant = b * b + P(V(4)) * (E - A * gamma_per_room * crit) * c;
-  P G = G_n + (c + c) / (b + sqrt(select(discriminant > zero, discriminant, zero)));
+  // (A hair less keeps it before the root in spite of the rough quotient.)
+  const P hair(sizeof(V) == 8 ? V(1 - 1e-7) : V(1 - 1e-3));
+  const P way = rough_quotient(c + c, b + sqrt(select(discriminant > zero, discriminant, zero)));
+  P G = G_n + way * hair;
   const auto is_long = grows & (c > E * G_n * (end - G_n));
   if (any(is_long)) G = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G);
   G = select(G < end, G, select(is_long, end, G_n));
@@ -316,7 +319,8 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
     const P k = k_over_x * x, q = lambda - crit * G;
     const P to_do = k * q - E * G * (G - G_n);
     const P slope = E * (G + G - G_n) + gamma_per_room * k_over_x * q + k * crit;
-    const P step = to_do * G / (slope * G + to_do);
+    const P step =
+        rough_quotient(to_do * G, slope * G + to_do);  // corrected by the next, or beyond all digits
     const P next = G + step;
     const auto inside = next < end;
     // A lane that is done stays as it is, whatever its neighbours do. (Below G: rounding.)

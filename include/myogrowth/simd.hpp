@@ -180,12 +180,12 @@ unsigned sign_bits(const L& v, std::integral_constant<int, 64>, float) {
   return _mm512_movepi32_mask((__m512i)v);
 }
 template <class L>
-L square_root(const L& v, std::integral_constant<int, 64>, double) {
-  return (L)_mm512_maskz_sqrt_pd(0xff, (__m512d)v);
+L rough_reciprocal_root(const L& v, double) {
+  return (L)_mm512_maskz_rsqrt14_pd(0xff, (__m512d)v);
 }
 template <class L>
-L square_root(const L& v, std::integral_constant<int, 64>, float) {
-  return (L)_mm512_maskz_sqrt_ps(0xffff, (__m512)v);
+L rough_reciprocal_root(const L& v, float) {
+  return (L)_mm512_maskz_rsqrt14_ps(0xffff, (__m512)v);
 }
 template <class L>
 L rough_reciprocal(const L& v, double) {
@@ -210,6 +210,16 @@ L fused_minus(const L& a, const L& b, const L& c, double) {  // c - a b
 template <class L>
 L fused_minus(const L& a, const L& b, const L& c, float) {
   return (L)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
+}
+// As divide() below, for the same reason; the root of 0 is NaN.
+template <class L, class V>
+L square_root(const L& x, std::integral_constant<int, 64>, V) {
+  const L one = L{} + V(1), half = L{} + V(0.5), three_eighths = L{} + V(0.375);
+  const L y = rough_reciprocal_root(x, V());
+  const L e = fused_minus(L(x * y), y, one, V());
+  const L better = fused(L(y * e), sizeof(V) == 8 ? fused(e, three_eighths, half, V()) : half, y, V());
+  const L root = x * better;
+  return fused(fused_minus(root, root, x, V()), L(better * half), root, V());
 }
 #endif
 #if defined(__AVX__)
@@ -324,6 +334,24 @@ typename Pack<V, N>::Lanes divide(const Pack<V, N>& a, const Pack<V, N>& b) {
   }
 #endif
   return a.v[0] / b.v[0];
+}
+
+/// a/b to 8 digits (4 for float), where the target has that for less.
+template <class V, int N>
+Pack<V, N> rough_quotient(const Pack<V, N>& a, const Pack<V, N>& b) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof a.v[0] == 64) {
+    const auto one = Pack<V, N>(V(1)).v[0];
+    Pack<V, N> c;
+    for (int k = 0; k < c.parts; ++k) {
+      const auto r = detail::rough_reciprocal(b.v[k], V());
+      const auto ar = a.v[k] * r;
+      c.v[k] = sizeof(V) == 8 ? detail::fused(ar, detail::fused_minus(b.v[k], r, one, V()), ar, V()) : ar;
+    }
+    return c;
+  }
+#endif
+  return a / b;
 }
 
 template <class V, int N>
