@@ -7,7 +7,8 @@
 #include <myogrowth/measures.hpp>
 #include <myogrowth/version.hpp>
 
-#include "faults.hpp"
+#include "block.hpp"
+#include "point.hpp"
 
 namespace {
 
@@ -38,12 +39,6 @@ struct Point {
 
 void set_nan(double* x, int n) {
   for (int i = 0; i < n && x; ++i) x[i] = not_a_number;
-}
-
-bool all_finite(const double* x, int n) {
-  double sum = 0;
-  for (int i = 0; i < n; ++i) sum += 0 * x[i];
-  return sum == 0;
 }
 
 void write_message(const char* text, char* message, int length) {
@@ -107,9 +102,10 @@ void convert(int measure, const double* F, const PointUpdate<double>& u, double*
   }
 }
 
-void write_state(const PointUpdate<double>& u, int n_state, const Point& p) {
-  const double ours[abi::fibre_entry + 3] = {u.G, u.lambda_e, u.lambda, u.J, u.Je, u.n0[0], u.n0[1], u.n0[2]};
-  const int room = abi::keeps_fibre(n_state) ? abi::fibre_entry + 3 : abi::fibre_entry;
+constexpr int n_ours = abi::fibre_entry + 3;  // entries of the state that are written
+
+void write_state(const double (&ours)[n_ours], int n_state, const Point& p) {
+  const int room = abi::keeps_fibre(n_state) ? n_ours : abi::fibre_entry;
   for (int i = 0; i < n_state; ++i) p.state_out[i] = i < room ? ours[i] : p.state_in[i];
 }
 
@@ -134,7 +130,7 @@ int update(const Common& common, const Point& p, abi::Text& text) {
   if (status == Status::ok) {
     convert(common.measure, F, u, p.stress, p.tangent);
     const int n = myogrowth_stress_size(common.measure);
-    const bool finite = all_finite(p.stress, n) && (!p.tangent || all_finite(p.tangent, n * n));
+    const bool finite = are_finite(p.stress, n) && (!p.tangent || are_finite(p.tangent, n * n));
     if (!finite) status = Status::not_finite;
   }
   if (status != Status::ok) {
@@ -142,7 +138,7 @@ int update(const Common& common, const Point& p, abi::Text& text) {
     return static_cast<int>(status);
   }
   if (p.energy) *p.energy = u.psi;
-  write_state(u, common.n_state, p);
+  write_state({u.G, u.lambda_e, u.lambda, u.J, u.Je, u.n0[0], u.n0[1], u.n0[2]}, common.n_state, p);
   return MYOGROWTH_OK;
 }
 
@@ -158,6 +154,77 @@ void refuse(int measure, const Point& p) {
 template <class T>
 T* at(T* array, int i, int size) {
   return array ? array + static_cast<std::ptrdiff_t>(i) * size : nullptr;
+}
+
+// The points of a call, n of each array one after the other.
+struct Points {
+  Point first;
+  int stress_size, state_stride;
+  Point operator[](int i) const {
+    return {at(first.F, i, 9),
+            at(first.state_in, i, state_stride),
+            at(first.state_out, i, state_stride),
+            at(first.stress, i, stress_size),
+            at(first.tangent, i, stress_size * stress_size),
+            at(first.energy, i, 1)};
+  }
+};
+
+// Whether packs may do it: they give up on numbers so large or small that a product of a few is out of range.
+bool is_within(double x, double least, double most) {
+  return (x < 0 ? -x : x) >= least && (x < 0 ? -x : x) <= most;
+}
+bool packs_can(const Common& common) {
+  const FibreGrowth<double>& m = common.properties.material;
+  const GrowthRate<double>& g = m.growth;
+  return !common.properties.local_basis && is_within(m.c1, 0, 1e30) && is_within(m.c2, 1e-30, 1e30) &&
+         is_within(g.growth_time, 1e-30, 1e30) && g.gamma <= 100 && is_within(g.G_max, 1, 1e10) &&
+         is_within(g.G_max - 1, 1e-10, 1e10) && is_within(g.lambda_crit, 1e-10, 1e10) &&
+         is_within(common.dt, 0, 1e30);
+}
+bool packs_can(const double* F, double G_n) {
+  bool all = is_within(G_n, 1e-10, 1e10);
+  for (int i = 0; i < 9; ++i) all = all && is_within(F[i], 0, 1e10);
+  return all;
+}
+
+// The batch's update of the points from `start` on, at most a block of them. done[k]: whether point start + k
+// has a result; the others are as they were, and update() says why.
+void update_many(const Common& common, const Points& points, int start, int count, bool* done) {
+  constexpr int stride = myogrowth_block_points;
+  const abi::Properties& properties = common.properties;
+  MyogrowthBlock block;
+  block.dt = common.dt;
+  abi::Text ignored;
+  for (int k = 0; k < count; ++k) {
+    const Point p = points[start + k];
+    double n0[3] = {properties.n0[0], properties.n0[1], properties.n0[2]}, unit[3] = {1, 0, 0};
+    done[k] = !abi::find_state_fault(p.state_in, common.n_state, n0, ignored) && normalise(n0, unit) &&
+              packs_can(p.F, abi::number_at_start(p.state_in));
+    for (int i = 0; i < 9; ++i) block.F[k + stride * i] = done[k] ? p.F[i] : i % 4 == 0 ? 1 : 0;
+    for (int i = 0; i < 3; ++i) block.n0[k + stride * i] = unit[i];
+    block.G[k] = done[k] ? abi::number_at_start(p.state_in) : 1;
+    block.lambda[k] = done[k] ? abi::stretch_at_start(p.state_in, common.n_state) : 1;
+  }
+  const MyogrowthBlockMaterial material =
+      abi::block_material(properties.material, properties.material.energy == EnergyPer::grown_volume,
+                          properties.material.integration == TimeIntegration::midpoint_flow);
+  abi::update_block()(&material, count, common.measure, points.first.tangent != nullptr, &block);
+
+  const int n = points.stress_size;
+  for (int k = 0; k < count; ++k) {
+    if (!done[k]) continue;
+    const Point p = points[start + k];
+    for (int i = 0; i < n; ++i) p.stress[i] = block.stress[k + stride * i];
+    for (int i = 0; i < n * n && p.tangent; ++i) p.tangent[i] = block.tangent[k + stride * i];
+    done[k] = are_finite(p.stress, n) && (!p.tangent || are_finite(p.tangent, n * n));
+    if (!done[k]) continue;
+    const double* s = block.scalars + k;
+    if (p.energy) *p.energy = s[4 * stride];
+    write_state({block.G_end[k], s[0], s[stride], s[2 * stride], s[3 * stride], block.n0[k],
+                 block.n0[k + stride], block.n0[k + 2 * stride]},
+                common.n_state, p);
+  }
 }
 
 // Index of a symbol in a table of n entries.
@@ -272,18 +339,27 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
       check(props, n_props, Point{F, state_in, state_out, stress, tangent, energy}, common, text);
   if (fault != MYOGROWTH_OK) write_message(text, message, message_length);
 
-  const int n = myogrowth_stress_size(measure), stride = fault == MYOGROWTH_OK ? n_state : 0;
+  const Points points{{F, state_in, state_out, stress, tangent, energy},
+                      myogrowth_stress_size(measure),
+                      fault == MYOGROWTH_OK ? n_state : 0};
+  const bool in_packs = fault == MYOGROWTH_OK && packs_can(common);
   int failed = 0;
-  for (int i = 0; i < n_points; ++i) {
-    const Point p{at(F, i, 9),      at(state_in, i, stride), at(state_out, i, stride),
-                  at(stress, i, n), at(tangent, i, n * n),   at(energy, i, 1)};
-    const int made = fault != MYOGROWTH_OK ? fault : update(common, p, text);
-    if (status) status[i] = made;
-    if (made == MYOGROWTH_OK) continue;
-    refuse(measure, p);
-    if (++failed == 1 && fault == MYOGROWTH_OK && message && message_length > 0) {
-      std::snprintf(message, static_cast<std::size_t>(message_length), "point %d (of 0 to %d): %s", i,
-                    n_points - 1, text);
+  for (int start = 0; start < n_points; start += myogrowth_block_points) {
+    const int left = n_points - start, count = left < myogrowth_block_points ? left : myogrowth_block_points;
+    bool done[myogrowth_block_points] = {};
+    if (in_packs) update_many(common, points, start, count, done);
+    for (int i = start; i < start + count; ++i) {
+      const Point p = points[i];
+      const int made = fault != MYOGROWTH_OK ? fault
+                       : done[i - start]     ? MYOGROWTH_OK
+                                             : update(common, p, text);
+      if (status) status[i] = made;
+      if (made == MYOGROWTH_OK) continue;
+      refuse(measure, p);
+      if (++failed == 1 && fault == MYOGROWTH_OK && message && message_length > 0) {
+        std::snprintf(message, static_cast<std::size_t>(message_length), "point %d (of 0 to %d): %s", i,
+                      n_points - 1, text);
+      }
     }
   }
   return failed;

@@ -237,7 +237,6 @@ struct Common {
   const Exponent<V> to_gamma, to_gamma_minus_1;
   const V per_time, per_width, per_crit;
   const V most_of_G, most_of_room;  ///< of what a last Newton step may be: is_last_step, growth_solve.hpp
-  const bool in_packs;
 
   explicit Common(const FibreGrowth<V>& m)
       : material(m),
@@ -247,8 +246,7 @@ struct Common {
         per_width(V(1) / (m.growth.G_max - V(1))),
         per_crit(V(1) / m.growth.lambda_crit),
         most_of_G(std::numeric_limits<V>::epsilon() / of_room()),
-        most_of_room(2 * of_room() / (V(1) + m.growth.gamma)),
-        in_packs(m.integration == TimeIntegration::backward_euler && m.growth.gamma >= 1) {}
+        most_of_room(2 * of_room() / (V(1) + m.growth.gamma)) {}
 
  private:
   static constexpr V of_room() {
@@ -267,7 +265,7 @@ Pack<V, N> long_step_start(const Common<V>& common, const Pack<V, N>& A, const P
   const P way = end - G_n, bound = E * end * way / A;
   const P q_end = lambda - crit * end, k_end = common.to_gamma(P((P(rate.G_max) - end) / room_n));
   P u = way;
-  const auto tighten = [&u, &zero](const Mask<V, N>& there, const P& candidate) {
+  const auto tighten = [&u](const Mask<V, N>& there, const P& candidate) {
     u = select(there & (candidate < u), candidate, u);
   };
   tighten(q_end > zero, room_n * pow(P(bound / select(q_end > zero, q_end, one)), V(1) / rate.gamma));
@@ -425,9 +423,11 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
       steps & (d.lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max));
   P G = G_n;
   u.dG_dlambda = zero;
-  if (any(grows)) {
+  if (material.integration != TimeIntegration::backward_euler) {
+    bad = bad | steps;  // whether it grows, and how, is a matter of lambda_n too
+  } else if (any(grows)) {
     auto left = grows;
-    if (common.in_packs) grow_pack(common, grows, G_n, d.lambda, dt, G, u.dG_dlambda, left);
+    if (material.growth.gamma >= 1) grow_pack(common, grows, G_n, d.lambda, dt, G, u.dG_dlambda, left);
     bad = bad | left;
   }
   if (material.removal.removal_time > 0) {
@@ -441,7 +441,9 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
   if (tangent != Tangent::none) {
     for (int c = 0; c < 6; ++c) check = check + u.dtau_dG[c] * u.dG_dlambda;
   }
-  bad = bad | !(check - check == zero) | !(dt - dt == zero);
+  // Below, J_e - 1 may be -1 to rounding, where log1p is not made for it.
+  const P least_Je(V(1e-6));
+  bad = bad | !(check - check == zero) | !(dt - dt == zero) | !(u.J > least_Je * G);
 
   G_out.store(0, select(bad, G_n, G));
   const P scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};

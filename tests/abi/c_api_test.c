@@ -455,6 +455,16 @@ static void test_refusals(void) {
   }
 }
 
+/* to 1e-13 of the largest, or all NaN */
+static int is_near(const double* a, const double* b, int n) {
+  double size = 0;
+  for (int i = 0; i < n; ++i) size = fmax(size, fabs(a[i]));
+  for (int i = 0; i < n; ++i) {
+    if (!(fabs(a[i] - b[i]) <= 1e-13 * size) && !(isnan(a[i]) && isnan(b[i]))) return 0;
+  }
+  return 1;
+}
+
 static void test_many_points(void) {
   enum { n_points = 17, inverted = 8, last = n_points - 1 };
   static double F[n_points * 9], state[n_points * n_state], before[n_points * n_state],
@@ -470,7 +480,7 @@ static void test_many_points(void) {
   before[n_state * last] = -1;
   for (int k = 0; k < 3; ++k) {
     const int m = measures[k], n = myogrowth_stress_size(m);
-    const size_t stress_bytes = (size_t)n * sizeof(double), tangent_bytes = (size_t)n * stress_bytes;
+    const size_t stress_bytes = (size_t)n * sizeof(double);
     memcpy(state, before, sizeof state);
     CHECK(myogrowth_update_n(n_points, oblique, 11, F, state, state, n_state, 0.1, m, stress, tangent, energy,
                              status, message, message_length) == 2);
@@ -483,10 +493,11 @@ static void test_many_points(void) {
       CHECK(made == status[p] && made == (p == inverted ? MYOGROWTH_INVERTED
                                           : p == last   ? MYOGROWTH_BAD_STATE
                                                         : MYOGROWTH_OK));
-      CHECK(memcmp(one, state + n_state * p, sizeof one) == 0);
-      CHECK(memcmp(s, stress + n * p, stress_bytes) == 0);
-      CHECK(memcmp(t, tangent + n * n * p, tangent_bytes) == 0);
-      CHECK(memcmp(&e, energy + p, sizeof e) == 0);
+      /* many points are done by packs, which have a logarithm of their own */
+      CHECK(is_near(one, state + n_state * p, n_state));
+      CHECK(is_near(s, stress + n * p, n));
+      CHECK(is_near(t, tangent + n * n * p, n * n));
+      CHECK(is_near(&e, energy + p, 1));
       CHECK(all_nan(s, n) == (p == inverted || p == last));
     }
     /* the same apart, with everything left out that may be; a failed point's state_out is not touched */

@@ -202,6 +202,16 @@ void check_point(const Call& c, const Made& m) {
   require(!wrong, wrong, c, m);
 }
 
+/// Many points are done by packs, which have a logarithm and powers of their own.
+bool is_near(const Numbers& a, const Numbers& b, double scale) {
+  for (double x : b) scale = std::max(scale, std::isfinite(x) ? std::abs(x) : 0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const bool same = a[i] == b[i] || (std::isnan(a[i]) && std::isnan(b[i]));
+    if (!same && !(std::abs(a[i] - b[i]) <= 1e-8 * scale)) return false;
+  }
+  return a.size() == b.size();
+}
+
 /// Many points at once: what each gives alone, and a message about the first that fails.
 void check_points(const Call& c, const Made& all) {
   int failed = 0;
@@ -211,10 +221,10 @@ void check_points(const Call& c, const Made& all) {
     const Call one = c.alone(k);
     const Made m = run(one, false);
     check_point(one, m);
-    require(all.status[k] == m.returned && rules::same_bits(part(all.state, k, c.state_size()), m.state) &&
-                rules::same_bits(part(all.stress, k, size), m.stress) &&
-                rules::same_bits(part(all.tangent, k, size * size), m.tangent) &&
-                rules::same_bits({all.energy[k]}, m.energy),
+    require(all.status[k] == m.returned && is_near(part(all.state, k, c.state_size()), m.state, 1) &&
+                is_near(part(all.stress, k, size), m.stress, rules::stiffness(c.props)) &&
+                is_near(part(all.tangent, k, size * size), m.tangent, rules::stiffness(c.props)) &&
+                is_near({all.energy[k]}, m.energy, rules::stiffness(c.props)),
             "update_n is not update", one, m);
     if (m.returned == MYOGROWTH_OK || failed++ > 0) continue;
     const bool of_all = m.returned == MYOGROWTH_BAD_ARGUMENT || m.returned == MYOGROWTH_BAD_PARAMETER;

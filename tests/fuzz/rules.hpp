@@ -62,6 +62,9 @@ inline bool has_no_fibre(const Numbers& p, const Numbers& s) {
   return n[0] == 0 && n[1] == 0 && n[2] == 0;
 }
 
+/// c1 + 2 c2, as far as there are such.
+inline double stiffness(const Numbers& p) { return p.size() > 1 ? std::abs(p[0]) + 2 * std::abs(p[1]) : 0; }
+
 inline double det(const Numbers& F) {
   const auto f = [&](std::size_t i) { return static_cast<long double>(F[i]); };
   return static_cast<double>(f(0) * (f(4) * f(8) - f(5) * f(7)) - f(3) * (f(1) * f(8) - f(2) * f(7)) +

@@ -1,0 +1,44 @@
+// The batch for one instruction set: compiled for each, with -Dmyogrowth=myogrowth_<it>. The library's
+// namespace then has a name of its own, so that the linker cannot take this code for that of another set;
+// block.hpp is plain C.
+#include "block.hpp"
+
+#include <myogrowth/batch.hpp>
+
+namespace {
+
+using namespace myogrowth;
+
+template <Tangent tangent, Measure measure>
+void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
+  constexpr std::ptrdiff_t points = myogrowth_block_points;
+  using batch::shared;
+  using batch::soa;
+  const batch::Input<batch::Soa<double>, batch::Soa<double>, batch::Soa<double>, batch::Shared<double>,
+                     batch::Soa<double>>
+      in{soa(b.F, points), soa(b.n0, points), soa(b.G, points), shared(&b.dt), soa(b.lambda, points)};
+  const batch::Output<batch::Soa<double>, batch::Soa<double>, batch::Soa<double>, batch::Soa<double>> out{
+      soa(b.stress, points), soa(b.G_end, points), soa(b.tangent, points), soa(b.scalars, points)};
+  update_batch<tangent, measure>(material, n, in, out);
+}
+
+}  // namespace
+
+extern "C" void MYOGROWTH_UPDATE_BLOCK(const MyogrowthBlockMaterial* material, int n, int measure,
+                                       int with_tangent, MyogrowthBlock* block) {
+  FibreGrowth<double> m;
+  m.c1 = material->c1;
+  m.c2 = material->c2;
+  m.growth = {material->growth[0], material->growth[1], material->growth[2], material->growth[3]};
+  m.removal = {material->removal[0], material->removal[1], material->removal[2], material->removal[3]};
+  m.energy = material->grown_energy ? EnergyPer::grown_volume : EnergyPer::reference_volume;
+  m.integration = material->second_order ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
+  if (with_tangent) {
+    if (measure == 0) return update<Tangent::full, Measure::cauchy>(m, n, *block);
+    if (measure == 1) return update<Tangent::full, Measure::first_piola>(m, n, *block);
+    return update<Tangent::full, Measure::second_piola>(m, n, *block);
+  }
+  if (measure == 0) return update<Tangent::none, Measure::cauchy>(m, n, *block);
+  if (measure == 1) return update<Tangent::none, Measure::first_piola>(m, n, *block);
+  return update<Tangent::none, Measure::second_piola>(m, n, *block);
+}

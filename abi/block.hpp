@@ -1,0 +1,67 @@
+/// @file
+/// The batch behind the routines that hosts call with many points: compiled once for each instruction set,
+/// chosen when the library is loaded. Plain C at the border, so that code for one instruction set cannot leak
+/// into another.
+#ifndef MYOGROWTH_ABI_BLOCK_HPP
+#define MYOGROWTH_ABI_BLOCK_HPP
+
+extern "C" {
+
+/// Points in a block.
+constexpr int myogrowth_block_points = 64;
+
+/// FibreGrowth in plain numbers.
+struct MyogrowthBlockMaterial {
+  double c1, c2, growth[4], removal[4];
+  int grown_energy, second_order;
+};
+
+/// A block: component c of point i is at [c * myogrowth_block_points + i]. Tangent and stress as in Measure's
+/// order.
+struct MyogrowthBlock {
+  double F[9 * myogrowth_block_points], n0[3 * myogrowth_block_points];
+  double G[myogrowth_block_points], lambda[myogrowth_block_points];  ///< at the beginning of the step
+  double dt;
+  double stress[9 * myogrowth_block_points], tangent[81 * myogrowth_block_points];
+  double G_end[myogrowth_block_points];
+  double scalars[5 * myogrowth_block_points];  ///< lambda_e, lambda, J, Je, psi
+};
+
+/// Updates the first n points. measure: 0 Cauchy, 1 first, 2 second Piola-Kirchhoff. Where a point has no
+/// result its stress is NaN.
+using MyogrowthUpdateBlock = void(const MyogrowthBlockMaterial* material, int n, int measure,
+                                  int with_tangent, MyogrowthBlock* block);
+MyogrowthUpdateBlock myogrowth_update_block_base, myogrowth_update_block_avx2, myogrowth_update_block_avx512;
+}
+
+namespace myogrowth {
+namespace abi {
+
+/// The fastest that this machine has.
+inline MyogrowthUpdateBlock* update_block() {
+#if defined(__x86_64__)
+  static MyogrowthUpdateBlock* const fastest =
+      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("fma")
+          ? myogrowth_update_block_avx512
+      : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? myogrowth_update_block_avx2
+                                                                        : myogrowth_update_block_base;
+  return fastest;
+#else
+  return myogrowth_update_block_base;
+#endif
+}
+
+template <class Material>
+MyogrowthBlockMaterial block_material(const Material& m, bool grown_energy, bool second_order) {
+  return {m.c1,
+          m.c2,
+          {m.growth.growth_time, m.growth.gamma, m.growth.G_max, m.growth.lambda_crit},
+          {m.removal.removal_time, m.removal.gamma, m.removal.G_min, m.removal.lambda_crit},
+          grown_energy,
+          second_order};
+}
+
+}  // namespace abi
+}  // namespace myogrowth
+
+#endif
