@@ -5,6 +5,8 @@
 #ifndef MYOGROWTH_ABI_BLOCK_HPP
 #define MYOGROWTH_ABI_BLOCK_HPP
 
+#include <myogrowth/kernel.hpp>
+
 extern "C" {
 
 /// Points in a block.
@@ -51,14 +53,31 @@ inline MyogrowthUpdateBlock* update_block() {
 #endif
 }
 
-template <class Material>
-MyogrowthBlockMaterial block_material(const Material& m, bool grown_energy, bool second_order) {
+inline MyogrowthBlockMaterial block_material(const FibreGrowth<double>& m) {
   return {m.c1,
           m.c2,
           {m.growth.growth_time, m.growth.gamma, m.growth.G_max, m.growth.lambda_crit},
           {m.removal.removal_time, m.removal.gamma, m.removal.G_min, m.removal.lambda_crit},
-          grown_energy,
-          second_order};
+          m.energy == EnergyPer::grown_volume,
+          m.integration == TimeIntegration::midpoint_flow};
+}
+
+// Whether packs may do it: they are not made for numbers so large or small that a product of a few is out of
+// range.
+inline bool is_within(double x, double least, double most) {
+  const double size = x < 0 ? -x : x;
+  return size >= least && size <= most;
+}
+inline bool packs_can(const FibreGrowth<double>& m, double dt) {
+  const GrowthRate<double>& g = m.growth;
+  return is_within(m.c1, 0, 1e30) && is_within(m.c2, 1e-30, 1e30) && is_within(g.growth_time, 1e-30, 1e30) &&
+         g.gamma <= 100 && is_within(g.G_max - 1, 1e-10, 1e10) && is_within(g.lambda_crit, 1e-10, 1e10) &&
+         is_within(dt, 0, 1e30);
+}
+inline bool packs_can(const double* F, double G_n) {
+  bool all = is_within(G_n, 1e-10, 1e10);
+  for (int i = 0; i < 9; ++i) all = all && is_within(F[i], 0, 1e10);
+  return all;
 }
 
 }  // namespace abi

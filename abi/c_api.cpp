@@ -170,24 +170,6 @@ struct Points {
   }
 };
 
-// Whether packs may do it: they give up on numbers so large or small that a product of a few is out of range.
-bool is_within(double x, double least, double most) {
-  return (x < 0 ? -x : x) >= least && (x < 0 ? -x : x) <= most;
-}
-bool packs_can(const Common& common) {
-  const FibreGrowth<double>& m = common.properties.material;
-  const GrowthRate<double>& g = m.growth;
-  return !common.properties.local_basis && is_within(m.c1, 0, 1e30) && is_within(m.c2, 1e-30, 1e30) &&
-         is_within(g.growth_time, 1e-30, 1e30) && g.gamma <= 100 && is_within(g.G_max, 1, 1e10) &&
-         is_within(g.G_max - 1, 1e-10, 1e10) && is_within(g.lambda_crit, 1e-10, 1e10) &&
-         is_within(common.dt, 0, 1e30);
-}
-bool packs_can(const double* F, double G_n) {
-  bool all = is_within(G_n, 1e-10, 1e10);
-  for (int i = 0; i < 9; ++i) all = all && is_within(F[i], 0, 1e10);
-  return all;
-}
-
 // The batch's update of the points from `start` on, at most a block of them. done[k]: whether point start + k
 // has a result; the others are as they were, and update() says why.
 void update_many(const Common& common, const Points& points, int start, int count, bool* done) {
@@ -200,15 +182,13 @@ void update_many(const Common& common, const Points& points, int start, int coun
     const Point p = points[start + k];
     double n0[3] = {properties.n0[0], properties.n0[1], properties.n0[2]}, unit[3] = {1, 0, 0};
     done[k] = !abi::find_state_fault(p.state_in, common.n_state, n0, ignored) && normalise(n0, unit) &&
-              packs_can(p.F, abi::number_at_start(p.state_in));
+              abi::packs_can(p.F, abi::number_at_start(p.state_in));
     for (int i = 0; i < 9; ++i) block.F[k + stride * i] = done[k] ? p.F[i] : i % 4 == 0 ? 1 : 0;
     for (int i = 0; i < 3; ++i) block.n0[k + stride * i] = unit[i];
     block.G[k] = done[k] ? abi::number_at_start(p.state_in) : 1;
     block.lambda[k] = done[k] ? abi::stretch_at_start(p.state_in, common.n_state) : 1;
   }
-  const MyogrowthBlockMaterial material =
-      abi::block_material(properties.material, properties.material.energy == EnergyPer::grown_volume,
-                          properties.material.integration == TimeIntegration::midpoint_flow);
+  const MyogrowthBlockMaterial material = abi::block_material(properties.material);
   abi::update_block()(&material, count, common.measure, points.first.tangent != nullptr, &block);
 
   const int n = points.stress_size;
@@ -342,7 +322,8 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
   const Points points{{F, state_in, state_out, stress, tangent, energy},
                       myogrowth_stress_size(measure),
                       fault == MYOGROWTH_OK ? n_state : 0};
-  const bool in_packs = fault == MYOGROWTH_OK && packs_can(common);
+  const bool in_packs = fault == MYOGROWTH_OK && !common.properties.local_basis &&
+                        abi::packs_can(common.properties.material, dt);
   int failed = 0;
   for (int start = 0; start < n_points; start += myogrowth_block_points) {
     const int left = n_points - start, count = left < myogrowth_block_points ? left : myogrowth_block_points;

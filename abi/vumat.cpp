@@ -13,8 +13,9 @@
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/measures.hpp>
 
-#include "faults.hpp"
+#include "block.hpp"
 #include "fortran_name.hpp"
+#include "point.hpp"
 
 // Abaqus/Explicit's message and exit utilities.
 extern "C" {
@@ -107,29 +108,88 @@ void linear_elastic(const Block& b, const FibreGrowth<double>& material, int k) 
   }
 }
 
-// Point k of the block from the sarcomere number G_n. False if the step cannot be taken.
-bool update(const Block& b, const FibreGrowth<double>& material, double G_n, double lambda_n,
-            const double n0[3], int k) {
-  const double U12 = b.stretch(k, 3), U23 = b.stretch(k, 4), U31 = b.stretch(k, 5);
-  const double U[9] = {b.stretch(k, 0), U12, U31, U12, b.stretch(k, 1), U23, U31, U23, b.stretch(k, 2)};
-  PointUpdate<double> u;
-  if (update_point(material, U, n0, G_n, lambda_n, b.dt, u) != Status::ok) return false;
+// What the law gives for a point.
+struct Result {
+  double sigma[6], state[n_state], psi;
+};
 
-  double sigma[6];
-  cauchy_from_kirchhoff(u.J, u.tau, sigma);
+// Puts a result where Abaqus wants it. False, and nothing is written, if it is beyond the range of its
+// numbers.
+bool write(const Block& b, int k, const Result& r) {
   // Energy is asked for per unit mass, and the density is that of the middle of the step.
-  const double J_mid = (det_of_symmetric(b.stretch_old, k) + u.J) / 2;
-  const Number energy = static_cast<Number>(u.psi / (b.density[k] * J_mid));
+  const double J_mid = (det_of_symmetric(b.stretch_old, k) + r.state[3]) / 2;
+  const Number energy = static_cast<Number>(r.psi / (b.density[k] * J_mid));
   bool finite = is_finite(energy);
-  for (double s : sigma) finite = finite && is_finite(static_cast<Number>(s));
+  for (double s : r.sigma) finite = finite && is_finite(static_cast<Number>(s));
   if (!finite) return false;
 
-  for (int i = 0; i < 6; ++i) b.stress(k, i) = static_cast<Number>(sigma[kernel_index(i)]);
+  for (int i = 0; i < 6; ++i) b.stress(k, i) = static_cast<Number>(r.sigma[kernel_index(i)]);
   b.ener_intern[k] = energy;
-  const double state[n_state] = {u.G, u.lambda_e, u.lambda, u.J, u.Je, u.n0[0], u.n0[1], u.n0[2]};
   const int room = abi::keeps_fibre(b.nstatev) ? n_state : abi::fibre_entry;
-  for (int i = 0; i < room && i < b.nstatev; ++i) b.state(k, i) = static_cast<Number>(state[i]);
+  for (int i = 0; i < room && i < b.nstatev; ++i) b.state(k, i) = static_cast<Number>(r.state[i]);
   return true;
+}
+
+// U of point k, column by column.
+void read_stretch(const Block& b, int k, double U[9]) {
+  const int component[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
+  for (int i = 0; i < 9; ++i) U[i] = b.stretch(k, component[i]);
+}
+
+// Point k alone, from the sarcomere number G_n. False if the step cannot be taken.
+bool update(const Block& b, const FibreGrowth<double>& material, double G_n, double lambda_n,
+            const double n0[3], int k) {
+  double U[9];
+  read_stretch(b, k, U);
+  PointUpdate<double> u;
+  if (update_point(material, U, n0, G_n, lambda_n, b.dt, u) != Status::ok) return false;
+  Result r{{}, {u.G, u.lambda_e, u.lambda, u.J, u.Je, u.n0[0], u.n0[1], u.n0[2]}, u.psi};
+  cauchy_from_kirchhoff(u.J, u.tau, r.sigma);
+  return write(b, k, r);
+}
+
+// Points start to start + count, at most as many as a block of the batch has.
+void update_many(const Block& b, const abi::Properties& properties, int start, int count, bool& reported) {
+  constexpr int stride = myogrowth_block_points;
+  MyogrowthBlock block;
+  block.dt = b.dt;
+  bool can[stride], faulty[stride];
+  const bool material_can = abi::packs_can(properties.material, b.dt);
+  for (int j = 0; j < count; ++j) {
+    const int k = start + j;
+    double state[n_state], n0[3] = {properties.n0[0], properties.n0[1], properties.n0[2]},
+                           unit[3] = {1, 0, 0}, U[9];
+    for (int i = 0; i < n_state; ++i) state[i] = i < b.nstatev ? b.state_old(k, i) : 0;
+    abi::Text text;
+    faulty[j] = abi::find_state_fault(state, b.nstatev, n0, text);
+    if (faulty[j] && !reported) report(text);
+    reported = reported || faulty[j];
+    read_stretch(b, k, U);
+    can[j] =
+        !faulty[j] && material_can && normalise(n0, unit) && abi::packs_can(U, abi::number_at_start(state));
+    for (int i = 0; i < 9; ++i) block.F[j + stride * i] = can[j] ? U[i] : i % 4 == 0 ? 1 : 0;
+    for (int i = 0; i < 3; ++i) block.n0[j + stride * i] = can[j] ? unit[i] : n0[i];
+    block.G[j] = faulty[j] ? 1 : abi::number_at_start(state);
+    block.lambda[j] = faulty[j] ? 1 : abi::stretch_at_start(state, b.nstatev);
+  }
+  const MyogrowthBlockMaterial material = abi::block_material(properties.material);
+  const int cauchy = 0, no_tangent = 0;
+  abi::update_block()(&material, count, cauchy, no_tangent, &block);
+  for (int j = 0; j < count; ++j) {
+    const auto of = [j](const double* x, int i) { return x[j + stride * i]; };
+    bool done = false;
+    if (can[j] && is_finite(of(block.stress, 0))) {
+      Result r{{}, {block.G_end[j]}, of(block.scalars, 4)};
+      for (int i = 0; i < 6; ++i) r.sigma[i] = of(block.stress, i);
+      for (int i = 0; i < 4; ++i) r.state[1 + i] = of(block.scalars, i);
+      for (int i = 0; i < 3; ++i) r.state[abi::fibre_entry + i] = of(block.n0, i);
+      done = write(b, start + j, r);
+    } else if (!faulty[j]) {
+      const double n0[3] = {of(block.n0, 0), of(block.n0, 1), of(block.n0, 2)};
+      done = update(b, properties.material, block.G[j], block.lambda[j], n0, start + j);
+    }
+    if (!done) refuse(b, start + j);
+  }
 }
 
 void update_block(const Block& b) {
@@ -151,16 +211,10 @@ void update_block(const Block& b) {
   }
 
   bool reported = false;  // one message a call
-  for (int k = 0; k < b.size; ++k) {
-    double state[n_state];
-    for (int i = 0; i < n_state; ++i) state[i] = i < b.nstatev ? b.state_old(k, i) : 0;
-    double n0[3] = {properties.n0[0], properties.n0[1], properties.n0[2]};
-    const bool faulty = abi::find_state_fault(state, b.nstatev, n0, text);
-    if (faulty && !reported) report(text);
-    reported = reported || faulty;
-    const double G_n = state[0] == 0 ? 1 : state[0];
-    if (faulty || !update(b, properties.material, G_n, abi::stretch_at_start(state, b.nstatev), n0, k))
-      refuse(b, k);
+  for (int start = 0; start < b.size; start += myogrowth_block_points) {
+    const int left = b.size - start;
+    update_many(b, properties, start, left < myogrowth_block_points ? left : myogrowth_block_points,
+                reported);
   }
 }
 
