@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(n, arguments.data())) return 2;
 
   const int max_threads = std::thread::hardware_concurrency() > 1 ? 2 : 1;
-  memory.resize(room * streamed);
+  memory.resize(std::max(room * streamed, std::size_t(1) << 25));
   const Points small(in_cache * static_cast<std::size_t>(max_threads)), large(streamed);
   tell_flops(small);
   std::vector<Variant> all = ours();

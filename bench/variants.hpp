@@ -21,8 +21,8 @@
 namespace bench {
 
 constexpr double gammas[] = {2, 2.5};
-constexpr std::size_t in_cache = 512;                   ///< points a thread
-constexpr std::size_t streamed = std::size_t(1) << 19;  ///< points in all: 280 MB through the UMAT
+constexpr std::size_t in_cache = 512;      ///< points a thread
+constexpr std::size_t streamed = 5 << 16;  ///< points in all: 175 MB through the UMAT, more than caches hold
 
 /// What is given for a pass over the points [first, last).
 struct Work {

@@ -18,8 +18,8 @@ inline Growth grow(const double* props, double G_n, double lambda, double dt) {
     const double phi = lambda / G - lambda_crit;
     const double R = G - G_n - dt * k * phi;
     dR = 1 - dt * (-gamma * k / (G_max - G) * phi - k * lambda / (G * G));
-    if (std::abs(R) < 1e-13) break;
     G -= R / dR;
+    if (std::abs(R) < 1e-13) break;
   }
   return {G, dt * k / G / dR};
 }

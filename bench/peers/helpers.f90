@@ -22,8 +22,8 @@ subroutine local_newton(props, nprops, gn, lam, dt, g, dgdlam)
     dphi = -lam/g**2
     res = g - gn - dt*kg*phi
     dres = 1.d0 - dt*(dkg*phi + kg*dphi)
-    if (abs(res) < tol) exit
     g = g - res/dres
+    if (abs(res) < tol) exit
   end do
   dgdlam = dt*kg/g/dres
 end subroutine local_newton
