@@ -17,12 +17,17 @@ struct Counted {
   template <class R, class = std::enable_if_t<std::is_arithmetic<R>::value>>
   constexpr Counted(R number) : x(static_cast<double>(number)) {}  // NOLINT: constants convert silently
 
+  explicit constexpr operator int() const { return static_cast<int>(x); }
+
   friend constexpr Counted operator-(Counted a) { return -a.x; }
   friend constexpr Counted operator+(Counted a, Counted b) { return flop(a.x + b.x); }
   friend constexpr Counted operator-(Counted a, Counted b) { return flop(a.x - b.x); }
   friend constexpr Counted operator*(Counted a, Counted b) { return flop(a.x * b.x); }
   friend constexpr Counted operator/(Counted a, Counted b) { return flop(a.x / b.x); }
   friend constexpr Counted& operator+=(Counted& a, Counted b) { return a = a + b; }
+  friend constexpr Counted& operator-=(Counted& a, Counted b) { return a = a - b; }
+  friend constexpr Counted& operator*=(Counted& a, Counted b) { return a = a * b; }
+  friend constexpr Counted& operator/=(Counted& a, Counted b) { return a = a / b; }
   friend constexpr bool operator<(Counted a, Counted b) { return a.x < b.x; }
   friend constexpr bool operator>(Counted a, Counted b) { return a.x > b.x; }
   friend constexpr bool operator<=(Counted a, Counted b) { return a.x <= b.x; }
