@@ -1,0 +1,74 @@
+// The material points that every variant is timed on: seeded, random, and as an analysis has them.
+#ifndef MYOGROWTH_BENCH_POINTS_HPP
+#define MYOGROWTH_BENCH_POINTS_HPP
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <random>
+#include <vector>
+
+namespace bench {
+
+/// Which points grow in the step.
+enum Growth { active, half, inactive, n_growths };
+constexpr const char* growth_name[n_growths] = {"active", "half", "inactive"};
+
+constexpr int nstatv = 8;  ///< of libmyogrowth_umat: G, four results, the fibre
+constexpr double dtime = 0.1, G_max = 1.1, lambda_crit = 1.01;
+
+/// PROPS: Table 1 of the paper, but for gamma.
+inline std::vector<double> props(double gamma) { return {16, 4, 0.5, gamma, G_max, lambda_crit, 1, 0, 0}; }
+
+/// Inputs of `size` points, in the layouts that the variants take. F, and with it the load on the memory, is
+/// the same whatever grows: it is the sarcomere number at the start of the step that decides.
+struct Points {
+  std::size_t size;
+  std::vector<double> F, n0;                ///< 9 and 3 a point
+  std::vector<double> G_n[n_growths];       ///< 1 a point
+  std::vector<double> statev_n[n_growths];  ///< nstatv a point
+
+  explicit Points(std::size_t size_) : size(size_), F(9 * size), n0(3 * size) {
+    std::mt19937_64 random(20240607);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const auto between = [&](double a, double b) { return a + (b - a) * unit(random); };
+    for (int g = 0; g < n_growths; ++g) {
+      G_n[g].resize(size);
+      statev_n[g].assign(nstatv * size, 0.0);
+    }
+    for (std::size_t p = 0; p < size; ++p) {
+      using Eigen::Matrix3d;
+      using Eigen::Vector3d;
+      const auto direction = [&] {
+        return Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+      };
+      // Stretch along the fibre, less than isochoric contraction across it, shear of 2 %, rotation up to 0.3.
+      const double lambda = between(1.03, 1.1);
+      const Vector3d n = direction();
+      const Matrix3d I = Matrix3d::Identity(), nn = n * n.transpose();
+      Matrix3d shear;
+      for (int i = 0; i < 9; ++i) shear(i) = between(-0.02, 0.02);
+      Matrix3d deformation = lambda * nn + (1 - 0.4 * (lambda - 1)) * (I - nn) + shear;
+      deformation *= I + (lambda / (deformation * n).norm() - 1) * nn;
+      const Matrix3d rotated = Eigen::AngleAxisd(between(0, 0.3), direction()) * deformation;
+      Eigen::Map<Matrix3d>(F.data() + 9 * p) = rotated;
+      Eigen::Map<Vector3d>(n0.data() + 3 * p) = n;
+
+      // A muscle that grows, anywhere between its start and the threshold; and one that has reached the
+      // threshold.
+      const double growing = 1 + unit(random) * (lambda / 1.02 - 1);
+      const double resting = lambda / between(1.0, 1.0095);
+      G_n[active][p] = growing;
+      G_n[inactive][p] = resting;
+      G_n[half][p] = unit(random) < 0.5 ? growing : resting;
+      for (int g = 0; g < n_growths; ++g) {
+        double* statev = &statev_n[g][nstatv * p];
+        statev[0] = G_n[g][p];
+        for (int i = 0; i < 3; ++i) statev[5 + i] = n[i];
+      }
+    }
+  }
+};
+
+}  // namespace bench
+
+#endif

@@ -1,0 +1,152 @@
+"""Reads what `bench` has written (Google Benchmark's JSON), prints tables, and writes results.json, results.csv and
+chart.png beside it.
+
+The time of a point is the thread's CPU time over the number of threads: what a pass over the points would take with
+the cores to itself. Medians over the repetitions.
+"""
+import argparse
+import collections
+import csv
+import json
+import math
+import pathlib
+import statistics
+import sys
+
+REFERENCE = "umat_"
+Case = collections.namedtuple("Case", "place threads growth gamma")
+Timing = collections.namedtuple("Timing", "ns quartiles read written difference")
+
+
+def read(path):
+    """{variant: {case: Timing}}, the copy's ns an element by threads, and the run's context."""
+    data = json.loads(path.read_text())
+    repetitions = collections.defaultdict(list)
+    for b in data["benchmarks"]:
+        if b.get("error_occurred"):
+            sys.exit(f"{b['name']}: {b['error_message']}")
+        if b["run_type"] == "iteration":
+            repetitions[b["run_name"]].append(b)
+    variants, copy = collections.defaultdict(dict), {}
+    for name, runs in sorted(repetitions.items(), key=lambda item: item[1][0]["family_index"]):
+        threads = runs[0]["threads"]
+        ns = sorted(b["cpu_time"] / b["points"] / threads for b in runs)
+        median = statistics.median(ns)
+        if name.startswith("copy/"):
+            copy[threads] = median
+            continue
+        variant, place, growth, gamma, _ = name.split("/")
+        quartiles = (ns[len(ns) // 4], ns[-1 - len(ns) // 4])
+        variants[variant][Case(place, threads, growth, float(gamma))] = Timing(
+            median, quartiles, runs[0]["bytes_read"], runs[0]["bytes_written"], max(b["difference"] for b in runs))
+    return variants, copy, data["context"]
+
+
+def cases_of(variants):
+    return sorted({case for times in variants.values() for case in times},
+                  key=lambda c: (c.place, c.threads, ("active", "half", "inactive").index(c.growth), c.gamma))
+
+
+def ratio(variants, variant, case):
+    reference = variants[REFERENCE].get(case)
+    return variants[variant][case].ns / reference.ns if reference else None
+
+
+def print_times(variants):
+    """A table for each place and number of threads: a row per variant, a column per case, with the ratio to umat_."""
+    cases = cases_of(variants)
+    for place, threads in sorted({(c.place, c.threads) for c in cases}):
+        columns = [c for c in cases if (c.place, c.threads) == (place, threads)]
+        where = "in cache" if place == "cache" else "streamed through memory"
+        print(f"\nns a point, {where}, {threads} thread{'s' * (threads > 1)} (in brackets: over {REFERENCE})")
+        print(f"{'':32}" + "".join(f"{f'{c.growth}, {c.gamma:g}':>17}" for c in columns))
+        for variant, times in variants.items():
+            row = ""
+            for c in columns:
+                r = ratio(variants, variant, c) if c in times else None
+                row += f"{times[c].ns:9.1f} " + (f"({r:5.2f})" if r else "       ") if c in times else f"{'':17}"
+            print(f"{variant:32}{row}")
+    spread = [(t.quartiles[1] - t.quartiles[0]) / t.ns for times in variants.values() for t in times.values()]
+    print(f"\nspread of the repetitions, quartile to quartile: {100 * statistics.median(spread):.0f} % of the median")
+    print("largest difference from the kernel: " + "; ".join(
+        f"{variant} {max(t.difference for t in times.values()):.1e}" for variant, times in variants.items()))
+
+
+def print_roofline(variants, copy, context):
+    for gamma in ("2", "2.5"):
+        flops, functions = float(context[f"flops, gamma {gamma}"]), float(context[f"functions, gamma {gamma}"])
+        print(f"a growing point at gamma = {gamma}: {flops:.0f} flops and {functions:.1f} logarithms or powers in the kernel")
+    for threads, ns in sorted(copy.items()):
+        bandwidth = 24 / ns  # read, written, and read because written
+        print(f"\ncopy, {threads} thread{'s' * (threads > 1)}: {16 / ns:.1f} GB/s of read and written, {bandwidth:.1f} GB/s with "
+              "write-allocate; streamed, growing, gamma = 2:")
+        print(f"{'':32}{'bytes':>8}{'with w.-a.':>12}{'bound, ns':>12}{'measured':>10}{'share':>8}{'flops/byte':>12}")
+        for variant, times in variants.items():
+            t = times.get(Case("streamed", threads, "active", 2.0))
+            if not t:
+                continue
+            moved = t.read + 2 * t.written
+            bound = moved / bandwidth
+            print(f"{variant:32}{t.read + t.written:8.0f}{moved:12.0f}{bound:12.1f}{t.ns:10.1f}{100 * bound / t.ns:7.0f} %"
+                  f"{float(context['flops, gamma 2']) / moved:12.2f}")
+
+
+def write_results(variants, folder):
+    rows = []
+    for variant, times in variants.items():
+        for case in sorted(times):
+            name = variant + (", streamed" if case.place == "streamed" else "")
+            rows.append({"name": name, "gamma": case.gamma, "growth": case.growth, "threads": case.threads,
+                         "ns_per_point_median": round(times[case].ns, 2),
+                         "ratio_to_umat": round(ratio(variants, variant, case) or 0, 4) or None})
+    (folder / "results.json").write_text(json.dumps(rows, indent=1) + "\n")
+    with open(folder / "results.csv", "w", newline="", encoding="utf-8") as f:
+        writer = csv.DictWriter(f, rows[0])
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def draw(variants, path):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    shown = {2.0: "#0072b2", 2.5: "#e69f00"}  # Okabe and Ito's
+    case = {gamma: Case("cache", 1, "active", gamma) for gamma in shown}
+    names = [v for v, times in variants.items() if all(c in times for c in case.values())]
+    if not names:
+        return
+    names.sort(key=lambda v: -variants[v][case[2.0]].ns)
+    fig, ax = plt.subplots(figsize=(7.2, 0.8 + 0.5 * len(names)), dpi=130)
+    height = 0.38
+    for k, (gamma, colour) in enumerate(shown.items()):
+        ns = [variants[v][case[gamma]].ns for v in names]
+        at = [i + (0.5 - k) * height for i in range(len(names))]
+        ax.barh(at, ns, height, color=colour, label=rf"$\gamma$ = {gamma:g}")
+        for y, x, v in zip(at, ns, names):
+            ax.text(x * 1.03, y, f"{x:.0f} ns   {ratio(variants, v, case[gamma]):.2g}×", va="center", fontsize=7.5)
+    ax.set_xscale("log")
+    every = [variants[v][c].ns for v in names for c in case.values()]
+    ax.set_xlim(10 ** math.floor(math.log10(min(every) / 2)), 4 * max(every))
+    ax.set_yticks(range(len(names)), names, fontsize=8.5)
+    ax.set_xlabel(f"ns a growing point, one core, in cache: stress, tangent and G (×: over {REFERENCE})", fontsize=8.5)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.legend(fontsize=8.5, frameon=False, loc="upper right")
+    fig.tight_layout()
+    fig.savefig(path)
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    p.add_argument("timings", type=pathlib.Path, help="what `bench --benchmark_out=FILE` has written")
+    path = p.parse_args().timings
+    variants, copy, context = read(path)
+    print_times(variants)
+    print_roofline(variants, copy, context)
+    write_results(variants, path.parent)
+    draw(variants, path.parent / "chart.png")
+    print(f"\n{path.parent}/: {path.name}, results.json, results.csv, chart.png")
+
+
+main()

@@ -1,0 +1,177 @@
+// The variants that are timed and counted. Each is one line in `ours` or `peers`: a name, how many numbers a
+// point it reads and writes, how well it must agree with the kernel, a function that works through a range of
+// points, and one that reads its result at one of them.
+#ifndef MYOGROWTH_BENCH_VARIANTS_HPP
+#define MYOGROWTH_BENCH_VARIANTS_HPP
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <myogrowth/kernel.hpp>
+#include <string>
+
+#include "../tests/support/umat_host.hpp"
+#include "points.hpp"
+
+namespace bench {
+
+constexpr double gammas[] = {2, 2.5};
+constexpr std::size_t in_cache = 512;      ///< points a thread
+constexpr std::size_t streamed = 5 << 16;  ///< points in all: 175 MB through the UMAT, more than caches hold
+
+/// What is given for a pass over the points [first, last).
+struct Work {
+  const Points& points;
+  Growth growth;
+  double gamma;
+  std::size_t first, last;
+};
+
+/// Outputs, shared by all variants: room for 50 numbers a point.
+constexpr std::size_t room = 6 + 36 + nstatv;
+inline std::vector<double> memory;
+
+/// One point's result as the kernel gives it.
+struct Result {
+  double tau[6], c[36], G;
+};
+
+using Pass = std::function<void(const Work&)>;
+using Reader = std::function<Result(const Work&, std::size_t point)>;
+
+struct Variant {
+  std::string name;
+  int numbers_read, numbers_written;  ///< a point
+  double tolerance;
+  Pass pass;
+  Reader read;
+};
+
+inline myogrowth::FibreGrowth<double> material(double gamma) {
+  myogrowth::FibreGrowth<double> m;
+  m.growth.gamma = gamma;
+  return m;
+}
+
+// --- our kernel
+
+inline void kernel_point(const Work& w, const myogrowth::FibreGrowth<double>& m, std::size_t p, double* tau,
+                         double* c, double& G) {
+  myogrowth::PointUpdate<double> u;
+  update_point(m, &w.points.F[9 * p], &w.points.n0[3 * p], w.points.G_n[w.growth][p], dtime, u);
+  spatial_modulus(u, c);
+  std::copy(u.tau, u.tau + 6, tau);
+  G = u.G;
+}
+
+inline void kernel_pass(const Work& w) {
+  const auto m = material(w.gamma);
+  double *tau = memory.data(), *c = tau + 6 * w.points.size, *G = c + 36 * w.points.size;
+  for (std::size_t p = w.first; p < w.last; ++p) kernel_point(w, m, p, tau + 6 * p, c + 36 * p, G[p]);
+}
+
+inline Result kernel_result(const Work& w, std::size_t p) {
+  const double *tau = memory.data(), *c = tau + 6 * w.points.size, *G = c + 36 * w.points.size;
+  Result r;
+  std::copy_n(tau + 6 * p, 6, r.tau);
+  std::copy_n(c + 36 * p, 36, r.c);
+  r.G = G[p];
+  return r;
+}
+
+// --- UMATs, as a host calls them: each in a library of its own, the state copied so that it can be taken
+// again
+
+inline Umat* load(const std::string& library) {
+  void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* symbol = handle ? dlsym(handle, "umat_") : nullptr;
+  if (!symbol) {
+    std::fprintf(stderr, "%s\n", dlerror());
+    std::exit(1);
+  }
+  return reinterpret_cast<Umat*>(symbol);
+}
+
+inline void umat_pass(Umat* umat, const Work& w) {
+  const std::vector<double> constants = props(w.gamma);
+  const int nprops = static_cast<int>(constants.size()), ndi = 3, nshr = 3, ntens = 6, statev_size = nstatv;
+  const int number = 1;
+  const double six[6] = {}, time[2] = {}, zero = 0, celent = 1, origin[3] = {};
+  const double one[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const char name[81] = "MUSCLE                                                                          ";
+  double spd = 0, scd = 0, rpl = 0, ddsddt[6] = {}, drplde[6] = {}, drpldt = 0, sse = 0, pnewdt = 1;
+  double *stress = memory.data(), *ddsdde = stress + 6 * w.points.size, *statev = ddsdde + 36 * w.points.size;
+  const double* statev_n = w.points.statev_n[w.growth].data();
+  for (std::size_t p = w.first; p < w.last; ++p) {
+    std::copy_n(statev_n + nstatv * p, nstatv, statev + nstatv * p);
+    umat(stress + 6 * p, statev + nstatv * p, ddsdde + 36 * p, &sse, &spd, &scd, &rpl, ddsddt, drplde,
+         &drpldt, six, six, time, &dtime, &zero, &zero, &zero, &zero, name, &ndi, &nshr, &ntens, &statev_size,
+         constants.data(), &nprops, origin, one, &pnewdt, &celent, one, &w.points.F[9 * p], &number, &number,
+         &number, &number, &number, &number);
+  }
+}
+
+inline Result umat_result(const Work& w, std::size_t p) {
+  const double *stress = memory.data(), *ddsdde = stress + 6 * w.points.size,
+               *statev = ddsdde + 36 * w.points.size + nstatv * p;
+  const double J = statev[3];
+  Result r;
+  for (std::size_t i = 0; i < 6; ++i) r.tau[i] = J * stress[6 * p + i];
+  for (std::size_t i = 0; i < 36; ++i) r.c[i] = J * ddsdde[36 * p + i];
+  r.G = statev[0];
+  return r;
+}
+
+inline Variant umat_variant(const std::string& name, const std::string& library, double tolerance) {
+  Umat* umat = load(library);
+  return {name,       9 + nstatv, 6 + 36 + nstatv, tolerance, [umat](const Work& w) { umat_pass(umat, w); },
+          umat_result};
+}
+
+// --- all
+
+constexpr double closed_form = 1e-10, by_differences = 1e-6;
+
+/// This library's.
+inline std::vector<Variant> ours() {
+  return {
+      umat_variant("umat_", "libmyogrowth_umat.so", closed_form),
+      {"kernel", 13, 43, closed_form, kernel_pass, kernel_result},
+  };
+}
+
+/// What others would write.
+inline std::vector<Variant> peers() {
+  return {
+      umat_variant("Fortran UMAT, -O2", "libpeer_fortran_O2.so", closed_form),
+      umat_variant("Fortran UMAT, -O3 -march=native", "libpeer_fortran_native.so", closed_form),
+      umat_variant("Eigen transcription", "libpeer_eigen.so", closed_form),
+      umat_variant("forward duals", "libpeer_dual.so", closed_form),
+      umat_variant("numerical tangent", "libpeer_numerical.so", by_differences),
+  };
+}
+
+/// The largest difference from the kernel at point p: of stress in units of c2, of the modulus in those of
+/// its largest entry, of G. Infinite if any of them is not a number.
+inline double difference(const Variant& variant, const Work& w, std::size_t p) {
+  const auto m = material(w.gamma);
+  Result expected;
+  kernel_point(w, m, p, expected.tau, expected.c, expected.G);
+  const Result r = variant.read(w, p);
+  const double scale = *std::max_element(expected.c, expected.c + 36);
+  double worst = std::abs(r.G - expected.G), sum = r.G;
+  for (int i = 0; i < 6; ++i)
+    worst = std::max(worst, std::abs(r.tau[i] - expected.tau[i]) / m.c2), sum += r.tau[i];
+  for (int i = 0; i < 36; ++i)
+    worst = std::max(worst, std::abs(r.c[i] - expected.c[i]) / scale), sum += r.c[i];
+  return std::isfinite(sum) ? worst : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace bench
+
+#endif
