@@ -511,6 +511,22 @@ class Options(Folder):
 
 
 @unittest.skipUnless(HAS_CCX, "no ccx that loads libraries, or no libMYOGROWTH.so")
+class Readme(Folder):
+    def test_its_deck_is_the_exact_solution(self):
+        text = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+        (self.folder / "cube.inp").write_text(re.search(r"^```\n(\*\* cube\.inp.*?)^```$", text, re.M | re.S)[1])
+        subprocess.run([CCX, "cube"], cwd=self.folder, check=True, capture_output=True,
+                       env={**os.environ, "LD_LIBRARY_PATH": str(pathlib.Path(LIBRARY_DIR).resolve())})
+        prints = [b for b in frd.Dat(self.folder / "cube.dat").read() if b.name == "SDV"]
+        for day, exact in ((1, 1.063012), (42, 1.012127)):  # of eq. 4, by Runge and Kutta's method
+            values = next(b for b in prints if b.time == day).values
+            self.assertEqual(values.shape, (8, 8))
+            for lambda_e in values[:, 1]:
+                self.assertAlmostEqual(lambda_e, exact, delta=2e-4)
+        self.assertIn("λe = 1.0121", text)
+
+
+@unittest.skipUnless(HAS_CCX, "no ccx that loads libraries, or no libMYOGROWTH.so")
 class Job(Folder):
     def command(self, out, *options):
         return [sys.executable, EXAMPLES / "cylinder.py", "--size", "tiny", "--ccx", CCX, "--library-dir", LIBRARY_DIR,
