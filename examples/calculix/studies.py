@@ -139,7 +139,7 @@ def do(job):
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     history.write(job.folder / "history.csv", rows)
     times = [end for _, end in deck.leg_times(case)]
-    np.savez_compressed(job.folder / "part.npz", times=times, gauss=np.array(states)[:, :, :2], seconds=seconds)
+    np.savez_compressed(job.folder / "part.npz", times=times, gauss=np.array(states)[:, :, :2])
     shutil.rmtree(folder)
     os.replace(job.folder / "part.npz", job.folder / "fields.npz")
     return job.name, seconds
@@ -176,7 +176,6 @@ class Run:
         kept = np.load(folder / "fields.npz")
         self.days, muscle = kept["times"].tolist(), gauss.muscle
         self.states = kept["gauss"][:, muscle, :2].astype(float)
-        self.seconds = float(kept["seconds"]) if "seconds" in kept else None
         x, y, self.z = gauss.places[muscle].T
         self.x, self.r = x, np.hypot(x, y)
         self.depth = np.minimum(self.z, cylinder_mesh.LENGTH - self.z)  # mm, from the nearer end
