@@ -256,11 +256,13 @@ def fitted_exponent(sizes, strains):
 
 # ---- Tables
 
+def decimals(x, n=4):
+    return "" if math.isnan(x) else f"{x:.{n}f}"
+
+
 def table(head, rows):
     def text(x):
-        if isinstance(x, float):
-            return "" if math.isnan(x) else f"{x:.4f}"
-        return str(x)
+        return decimals(x) if isinstance(x, float) else str(x)
 
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     return "\n".join(lines + ["| " + " | ".join(map(text, row)) + " |" for row in rows]) + "\n"
@@ -275,7 +277,7 @@ def table_of_meshes(found):
         rows.append([name, f"{len(r.mesh.hexes):,} + {len(r.mesh.wedges):,}", f"{r.heights[0]:.1f}", r.peak()["lambda_e_max"],
                      r.where(), r.edge(1.0), r.axis_at_end(1.0), r.middle(1.0), r.at("lambda_e_max", 14),
                      *(r.at(f"lambda_e_{what}", 42) for what in ("max", "mean", "min")), r.at("G_mean", 42),
-                     f"{r.at('reaction', 42):.2f}"])
+                     decimals(r.at("reaction", 42), 2)])
     return table(["mesh", "C3D8 + C3D6", "end layer [mm]", "peak", "at [mm] †", "edge, day 1", "axis at clamp, day 1",
                   "mid-length, day 1", "largest, day 14", "largest, day 42", "mean, day 42", "smallest, day 42",
                   "mean G, day 42", "force [mN], day 42"], rows)
@@ -342,7 +344,7 @@ def table_of_fibres(found):
 
 def table_of_energies(found):
     rows = [[text, r.peak()["lambda_e_max"], r.where(), r.edge(1.0), r.at("lambda_e_max", 14), r.at("lambda_e_min", 14),
-             f"{r.at('reaction', 1):.2f}", f"{r.at('reaction', 14):.2f}"]
+             decimals(r.at("reaction", 1), 2), decimals(r.at("reaction", 14), 2)]
             for text, r in (("0: reference", found["coarse"]), ("1: grown", found["energy 1"]))]
     return table(["energy per unit of volume", "peak", "at [mm] †", "edge, day 1", "largest, day 14", "smallest, day 14",
                   "force, day 1 [mN]", "force, day 14 [mN]"], rows)
@@ -366,7 +368,7 @@ def table_of_times(found):
 
 
 def table_of_weeks(found):
-    name = "paper" if "paper" in found else "medium"
+    name = "paper" if "paper" in found and 42 in found["paper"].days else "medium"
     r, rows = found[name], []
     G_end, top = r.at("G_mean", 42), r.at("lambda_e_mean", 1)
     for start, end in ((0, 1), (1, 7), (7, 14), (14, 28), (28, 42)):
@@ -404,7 +406,8 @@ def arguments():
     p.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs at a time, of one thread each")
     p.add_argument("--paper", type=pathlib.Path, default=pathlib.Path("out/paper"),
                    help="a finished run of cylinder.py --size paper, for the table of meshes; left out where there is none")
-    p.add_argument("--write", type=pathlib.Path, help="a markdown file whose tables between two marks are to be made anew")
+    p.add_argument("--write", type=pathlib.Path, help="a markdown file whose tables between two marks are to be made anew, and its figures in images/ "
+                        "beside it")
     p.add_argument("--ccx", type=pathlib.Path, required=True, help="the executable")
     p.add_argument("--library-dir", type=pathlib.Path, required=True, help=f"the folder of {cylinder.LIBRARY}")
     a = p.parse_args()
@@ -423,11 +426,13 @@ def main():
         text = tables(found)
         print("\n" + text)
         (a.out / "tables.md").write_text(text, encoding="utf-8")
-        if a.write:
-            write_between_marks(a.write, text)
         import study_figures  # it needs this module, so not before
 
         made = study_figures.draw(a.out, found)
+        if a.write:
+            write_between_marks(a.write, text)
+            for name in made:
+                shutil.copy(a.out / name, a.write.parent / "images" / f"study_{name}")
         print(f"{a.out}/: tables.md, {', '.join(made)}")
     except KeyboardInterrupt:
         print("\ninterrupted; the same command goes on", file=sys.stderr)

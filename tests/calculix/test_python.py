@@ -735,6 +735,7 @@ class Coarse(Folder):
         fields = np.load(out / "fields.npz")
         z = fields["place"][:, 2]
         middle = np.abs(z - 200) < np.abs(z - 200).min() + 0.01
+        worst = [0.0, 0.0]
         for day, state in zip(fields["times"].tolist(), fields["gauss"].astype(float)):
             # Both ends are alike: the state is the same at z and 400 - z.
             values = [np.sort(state[np.abs(z - at) < 1e-3, 1]) for at in (z.min(), z.max())]
@@ -742,7 +743,7 @@ class Coarse(Folder):
             # Half way along the muscle is in uniaxial tension: eq. 4 at its stretch, and the force by hand.
             self.assertLess(np.ptp(state[middle, 1]), 1e-5)
             G, lambda_e, stretch = state[middle, :3].mean(axis=0)
-            self.assertAlmostEqual(lambda_e, stretch / self.exact_G(stretch, day), delta=1e-4)
+            worst[0] = max(worst[0], abs(lambda_e - stretch / self.exact_G(stretch, day)))
             low, high = 0.8, 1.1  # for the stretch of the sides, which are free
             for _ in range(60):
                 side = (low + high) / 2
@@ -750,7 +751,10 @@ class Coarse(Folder):
                 low, high = (side, high) if sideways < 0 else (low, side)
             area = 24 / 2 * 10**2 * math.sin(2 * math.pi / 24)
             force = area / stretch * (16 * math.log(stretch * side**2 / G) + 4 * (lambda_e**2 - 1))
-            self.assertAlmostEqual(h["reaction"][h["time"] == day][0] / force, 1, delta=5e-4)
+            worst[1] = max(worst[1], abs(h["reaction"][h["time"] == day][0] / force - 1))
+        print(f"half way along, from eq. 4 and from the stress by hand: lambda_e {worst[0]:.1e}, force {worst[1]:.1e} of itself")
+        self.assertLess(worst[0], 1e-4)
+        self.assertLess(worst[1], 5e-4)
 
     @staticmethod
     def exact_G(stretch, day):
