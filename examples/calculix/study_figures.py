@@ -64,7 +64,7 @@ def draw_edges(path, found):
     p = studies.clamped_free_exponent()
     axes[2].loglog(h, once, "^-", color=ORANGE, label="10 % at once")
     axes[2].loglog(h, ramp, "o-", color=BLUE, label="after the ramp of a day")
-    axes[2].loglog(h, once[0] * (h / h[0])**p, ":", color="0.4", label=f"slope of linear elasticity, {p:.2f}")
+    axes[2].loglog(h, once[-1] * (h / h[-1])**p, ":", color="0.4", label=f"slope of linear elasticity, {p:.2f}")
     plain_numbers(axes[2].xaxis, list(h))
     plain_numbers(axes[2].yaxis, [0.05, 0.1, 0.2, 0.3])
     axes[2].set(xlabel="element in the clamped edge [mm]", ylabel=r"$\lambda_e - 1$ in the edge [-]")
