@@ -180,7 +180,9 @@ class Run:
         x, y, self.z = gauss.places[muscle].T
         self.x, self.r = x, np.hypot(x, y)
         self.depth = np.minimum(self.z, cylinder_mesh.LENGTH - self.z)  # mm, from the nearer end
+        self.ends = self.z < MIDDLE, self.z > MIDDLE  # proximal, distal
         self.at_surface, self.at_axis = self.r > 0.95 * self.r.max(), self.r < 1.05 * self.r.min()
+        self.outermost = self.r > 0.995 * self.r.max()
         layer = self.mesh.layer_of_elements()[gauss.elements[muscle] - 1]
         from_end = np.minimum(layer, layer.max() + layer.min() - layer)
         self.first_layer = from_end == from_end.min()  # of the muscle, at both ends
@@ -323,9 +325,12 @@ def table_of_ends(found):
                        *((f"tendon {k:g}, edge {h:g}", f"tendon, {k:g} times as stiff, elements of {h:g} mm beside it")
                          for k in (100, 10) for h in EDGES[1:3])):
         r = found[name]
-        rows.append([text, r.peak()["lambda_e_max"], r.where(), r.edge(1.0), r.axis_at_end(1.0), r.middle(1.0),
+        values, here = r.field("lambda_e", 1.0), r.first_layer
+        edges, axes = ([values[here & side & end].max() for end in r.ends] for side in (r.at_surface, r.at_axis))
+        rows.append([text, r.peak()["lambda_e_max"], r.where(), *edges, *axes, r.middle(1.0),
                      r.at("lambda_e_min", 1), *(r.at(f"lambda_e_{what}", 42) for what in ("max", "mean", "min"))])
-    return table(["ends", "peak", "at [mm] †", "edge, day 1", "axis at the end, day 1", "mid-length, day 1", "smallest, day 1",
+    return table(["ends", "peak", "at [mm] †", "proximal edge, day 1", "distal edge", "axis at the proximal end", "at the distal end",
+                  "mid-length", "smallest",
                   "largest, day 42", "mean, day 42", "smallest, day 42"], rows)
 
 
@@ -334,7 +339,7 @@ def table_of_fibres(found):
     for angle in (0.0, 5.0, 10.0, 20.0):
         r = found["coarse" if angle == 0 else f"fibre {angle:g}"]
         values, row = r.field("lambda_e", 1.0), [f"{angle:g}"]
-        for end in (r.z < MIDDLE, r.z > MIDDLE):
+        for end in r.ends:
             for side in (r.x < -0.85 * r.r.max(), r.x > 0.85 * r.r.max()):
                 row.append(values[r.first_layer & r.at_surface & end & side].mean())
         peak = r.peak()

@@ -45,7 +45,7 @@ def draw_edges(path, found):
     fig, axes = plt.subplots(1, 3, figsize=(11, 4), width_ratios=[1, 1, 0.9])
     shown = [(name, colour) for name, colour in (("coarse", GREEN), ("medium", PURPLE), ("paper", ORANGE), ("edge 0.2", BLUE),
                                                  ("edge 0.06", "0.2")) if name in found]
-    for ax, chosen, text in ((axes[0], "at_axis", "along the axis"), (axes[1], "at_surface", "along the surface")):
+    for ax, chosen, text in ((axes[0], "at_axis", "along the axis"), (axes[1], "outermost", "along the surface (outermost Gauss points)")):
         for name, colour in shown:
             r = found[name]
             z, values = r.along(getattr(r, chosen), 1.0)
@@ -54,7 +54,7 @@ def draw_edges(path, found):
             ax.plot(z[inside], values[inside], "o-", ms=2.4, lw=1, color=colour, label=label)
         ax.set_xscale("log")
         plain_numbers(ax.xaxis, [0.01, 0.1, 1, 10, 40])
-        ax.set(xlabel="distance from the clamp [mm]", ylabel=r"$\lambda_e$ at the end of the ramp [-]", ylim=(1.02, 1.14))
+        ax.set(xlabel="distance from the clamp [mm]", ylabel=r"$\lambda_e$ at the end of the ramp [-]", ylim=(1.02, 1.155))
         ax.set_title(text, loc="left", fontsize=9)
         ax.grid(alpha=0.25)
     axes[0].legend(frameon=False, fontsize=8)
@@ -101,15 +101,14 @@ def draw_times(path, found):
 def draw_meshes(path, found):
     fig, axes = plt.subplots(1, 2, figsize=(8.6, 3.8))
     names = [name for name in ("tiny", "coarse", "medium", "paper") if name in found]
-    nodes = [len(found[name].mesh.nodes) for name in names]
+    places = range(len(names))
     for ax, day in zip(axes, (1, 42)):
         for what, mark, colour in (("max", "^-", ORANGE), ("mean", "o-", BLUE), ("min", "v-", GREEN)):
-            ax.plot(nodes, [found[name].at(f"lambda_e_{what}", day) for name in names], mark, color=colour,
+            ax.plot(places, [found[name].at(f"lambda_e_{what}", day) for name in names], mark, color=colour,
                     label={"max": "largest", "mean": "mean", "min": "smallest"}[what])
-        ax.plot(nodes, [found[name].edge(float(day)) for name in names], "s--", ms=4, color=PURPLE, label="edge")
-        ax.set_xscale("log")
-        plain_numbers(ax.xaxis, nodes)
-        ax.set_xticklabels([f"{name}\n{n:,}" for name, n in zip(names, nodes)])
+        edge = [found[name].edge(float(day)) if day in found[name].days else np.nan for name in names]
+        ax.plot(places, edge, "s--", ms=4, color=PURPLE, label="edge")
+        ax.set_xticks(places, [f"{name}\n{len(found[name].mesh.nodes):,}" for name in names])
         ax.set(xlabel="mesh, nodes", ylabel=rf"$\lambda_e$ on day {day} [-]")
         ax.grid(alpha=0.25)
     axes[0].legend(frameon=False, fontsize=8.5)
