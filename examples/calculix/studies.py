@@ -33,6 +33,7 @@ MIDDLE = cylinder_mesh.LENGTH / 2
 TENDON = 20.0  # mm, length of the stiff layers where there are any
 MUSCLE_ALONE = 36.0  # mm, the pull that stretches what is between two such layers by 10 %
 EDGES = (2.0, 0.6, 0.2, 0.06)  # mm, sides of the elements in the clamped edge
+LATER = 0.2  # mm, the one of them that is followed to the end
 
 
 # ---- Meshes that are fine at the clamped edge
@@ -82,6 +83,7 @@ def runs():
     cases.update({f"edge {h:g} at once": {"size": f"edge {h:g}", **at_once} for h in reversed(EDGES)})
     cases.update({f"ramp {ramp:g}": {"ramp": ramp} for ramp in (42.0, 14.0, 7.0, 2.0, 0.5)})
     cases["ramp 1.5"] = {"ramp": 1.5, "duration": 1.5}
+    cases[f"edge {LATER:g}, six weeks"] = {"size": f"edge {LATER:g}"}
     cases["coarse"] = {}
     cases["tendon"] = {"ends": "tendon", "pull": MUSCLE_ALONE}
     cases["mixed"] = {"ends": "mixed"}
@@ -300,6 +302,11 @@ def table_of_edges(found):
     said = table(["element at the edge [mm]", "at once: edge", "at once: largest inside", "largest of all at [mm] †",
                   "1 d ramp: edge", "1 d ramp: largest inside", "largest of all at [mm] †", "1 d ramp: G, edge",
                   "1 d ramp: axis at clamp"], rows)
+    r = found[f"edge {LATER:g}, six weeks"]
+    rows = [[f"{day:g}", r.edge(day), r.largest("lambda_e", day, ~r.at_surface), r.edge(day, "G"), r.axis_at_end(day)]
+            for day in r.days]
+    said += f"\nElements of {LATER:g} mm, over time:\n\n" + table(
+        ["day", "edge", "largest inside", "G, edge", "axis at clamp"], rows)
     once, ramp = (fitted_exponent(EDGES[1:], strains[kind][1:]) for kind in ("at once", "ramp"))
     return said + (f"\nFit: λe − 1 at the edge goes as (element size)^p with p = {once:.2f} at once and {ramp:.2f} after the ramp (without "
                    f"the coarsest); "

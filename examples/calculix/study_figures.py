@@ -111,7 +111,7 @@ def draw_meshes(path, found):
         ax.set_xticks(places, [f"{name}\n{len(found[name].mesh.nodes):,}" for name in names])
         ax.set(xlabel="mesh, nodes", ylabel=rf"$\lambda_e$ on day {day} [-]")
         ax.grid(alpha=0.25)
-    axes[0].legend(frameon=False, fontsize=8.5)
+    axes[0].legend(frameon=False, fontsize=8.5, loc="center right", bbox_to_anchor=(1, 0.4))
     fig.tight_layout()
     figures.save(fig, path)
 
