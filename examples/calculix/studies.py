@@ -181,7 +181,6 @@ class Run:
         self.states = kept["gauss"][:, muscle, :2].astype(float)
         x, y, self.z = gauss.places[muscle].T
         self.x, self.r = x, np.hypot(x, y)
-        self.depth = np.minimum(self.z, cylinder_mesh.LENGTH - self.z)  # mm, from the nearer end
         self.ends = self.z < MIDDLE, self.z > MIDDLE  # proximal, distal
         self.at_surface, self.at_axis = self.r > 0.95 * self.r.max(), self.r < 1.05 * self.r.min()
         self.outermost = self.r > 0.995 * self.r.max()
@@ -203,9 +202,9 @@ class Run:
         k = int(np.argmax(self.h["lambda_e_max"]))
         return {name: column[k] for name, column in self.h.items()}
 
-    def where(self, place=None):
-        """In words: a place, or that of the peak."""
-        row = place or self.peak()
+    def where(self):
+        """The place of the peak: distances [mm] from the axis and from the nearer end."""
+        row = self.peak()
         r, z = math.hypot(row["x"], row["y"]), row["z"]
         return f"{r:.1f} / {min(z, cylinder_mesh.LENGTH - z):.1f}"
 
@@ -398,7 +397,8 @@ def table_of_weeks(found):
 def tables(found):
     """Markdown of all tables."""
     note = ("† distance from the axis / from the nearer end, before the deformation; all λe are values of Gauss points. "
-            "“edge”: the largest in the surface of the first layer of muscle. “point”: the exact solution of eq. 4.\n")
+            "“edge”: the largest in the surface (outer 5 % of the "
+            "radius) of the first layer of muscle; “inside”: without the surface. “point”: the exact solution of eq. 4.\n")
     parts = [("Meshes", table_of_meshes), ("The clamped edge", table_of_edges), ("Length of the ramp", table_of_ramps),
              ("Ends", table_of_ends), ("Oblique fibres", table_of_fibres), ("Energy convention", table_of_energies),
              ("Days or weeks", table_of_times), ("When it grows, and when λe falls", table_of_weeks)]

@@ -553,7 +553,7 @@ class Studies(Folder):
         r = self.studies.Run(self.folder)
         self.assertEqual(r.days, [1, 7, 14, 28, 42])
         self.assertEqual(len(r.z), len(r.field("G", 42.0)))
-        self.assertEqual(set(np.round(r.depth[r.first_layer], 3)), {8.453, 31.547})
+        self.assertEqual(set(np.round(np.minimum(r.z, 400 - r.z)[r.first_layer], 3)), {8.453, 31.547})
         self.assertTrue(math.isnan(r.at("lambda_e_max", 3.25)))
 
     def test_tables_are_written_between_their_marks(self):
