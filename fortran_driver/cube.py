@@ -177,4 +177,5 @@ def main():
     print(f"\n{a.out}/: cube.nml, history.csv, newton.log, fig2_elastic_stretch.png, fig4_sarcomere_number.png")
 
 
-main()
+if __name__ == "__main__":
+    main()

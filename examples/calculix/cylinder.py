@@ -39,11 +39,14 @@ def arguments():
                    help="how fine the mesh is; coarse, medium and fine have thin layers at the ends, where the stretch varies; "
                         "paper equal ones and as many elements as the paper's")
     p.add_argument("--ends", choices=deck.ENDS, default=default.ends,
-                   help="clamped; free to become thinner; or tendon: clamped, with a stiff layer that does not grow")
+                   help="clamped; free to become thinner; tendon: clamped, with a stiff layer that does not grow; or mixed: "
+                        "the proximal end clamped, the distal one free to become thinner")
     p.add_argument("--tendon-length", type=float, default=default.tendon_length, help="of the stiff layer at each end [mm]")
+    p.add_argument("--tendon-stiffness", type=float, default=default.tendon_stiffness, help="of that layer, over the muscle's")
     p.add_argument("--pull", type=float, default=default.pull, help="displacement of the distal end [mm of 400]")
     p.add_argument("--ramp", type=float, default=default.ramp, help="time of the ramp to it [days]")
     p.add_argument("--duration", type=float, default=default.duration, help="end of the test [days]")
+    p.add_argument("--tau", type=float, default=default.tau, help="time constant of growth [days]")
     p.add_argument("--fibre-angle", type=float, default=default.fibre_angle,
                    help="between fibres and axis, in the x-z plane [degrees]")
     p.add_argument("--energy", type=int, choices=(0, 1), default=default.energy,
@@ -61,13 +64,15 @@ def arguments():
         if not good:
             p.error(f"--{name.replace('_', '-')} = {getattr(a, name)}: must be {allowed}")
 
-    for name in ("ramp", "duration", "pull", "fibre_angle", "tendon_length"):
+    for name in ("ramp", "duration", "pull", "fibre_angle", "tendon_length", "tendon_stiffness", "tau"):
         check(name, math.isfinite(getattr(a, name)), "finite")
     check("ramp", a.ramp > 0, "> 0")
     check("duration", a.duration >= a.ramp, f">= --ramp = {a.ramp:g}")
     check("pull", 0 < a.pull <= 200, "> 0 and <= 200")
     check("fibre_angle", 0 <= a.fibre_angle < 90, ">= 0 and < 90")
     check("tendon_length", 0 < a.tendon_length < 200, "> 0 and < 200")
+    check("tendon_stiffness", a.tendon_stiffness > 0, "> 0")
+    check("tau", a.tau > 0, "> 0")
     check("threads", a.threads > 0, "> 0")
     check("ccx", a.ccx.is_file() and os.access(a.ccx, os.X_OK), "an executable file")
     check("library_dir", (a.library_dir / LIBRARY).is_file(), f"a folder with {LIBRARY}")
@@ -171,12 +176,12 @@ def start_folder(a, case):
     return folder
 
 
-def run_legs(a, case, mesh, gauss, folder):
+def run_legs(a, case, mesh, gauss, folder, progress_of=Progress):
     """The rows of the history, and the states of the Gauss points at the ends of the legs."""
     legs = deck.leg_times(case)
     planned = [sum(map(deck.planned_increments, deck.steps_of_leg(case, start, end, mesh.levels[-1] - mesh.levels[-2])))
                for start, end in legs]
-    progress = Progress(sum(planned))
+    progress = progress_of(sum(planned))
     all_rows, states = [], []
     for k, (start, end) in enumerate(legs):
         name, result = f"leg{k}", folder / f"leg{k}.npz"

@@ -18,6 +18,7 @@ class Size(NamedTuple):
     quads: int  # quadrilaterals in the disc; what is left of it are triangles
     layers: int
     grading: float = 1.0  # height of the layers half way along over that of the layers at the ends
+    ring_grading: float = 1.0  # width of the ring around the centre over that of the outermost one
 
 
 SIZES = {
@@ -49,11 +50,11 @@ class Mesh(NamedTuple):
         return np.concatenate([np.repeat(np.arange(layers), len(cells) // layers) for cells in self.elements()])
 
 
-def ring_nodes(counts):
+def ring_nodes(counts, grading):
     """Points of the disc [mm], the centre first, and the index of every ring's nodes."""
     points, index = [(0.0, 0.0)], [[0]]
-    for k, n in enumerate(counts, 1):
-        r = RADIUS * k / len(counts)
+    widths = grading ** -np.linspace(0, 1, len(counts))
+    for n, r in zip(counts, (RADIUS * np.cumsum(widths) / widths.sum()).tolist()):
         index.append(list(range(len(points), len(points) + n)))
         points += [(r * math.cos(2 * math.pi * i / n), r * math.sin(2 * math.pi * i / n)) for i in range(n)]
     return points, index
@@ -129,10 +130,14 @@ def swept(cells, layers, disc):
 
 def mesh(size):
     """The mesh of a size in SIZES."""
-    rings, n_quads, layers, grading = SIZES[size]
-    points, index = ring_nodes(rings)
-    quads, tris = merge(points, triangles(index), n_quads)
-    levels, disc = layer_levels(layers, grading), len(points)
+    return sweep(SIZES[size], layer_levels(SIZES[size].layers, SIZES[size].grading))
+
+
+def sweep(size, levels):
+    """The disc of a Size, swept through levels [mm]."""
+    points, index = ring_nodes(size.rings, size.ring_grading)
+    quads, tris = merge(points, triangles(index), size.quads)
+    layers, disc = len(levels) - 1, len(points)
     nodes = np.column_stack([np.tile(np.array(points), (layers + 1, 1)), np.repeat(levels, disc)])
     return Mesh(nodes, swept(quads, layers, disc), swept(tris, layers, disc), np.arange(disc),
                 np.arange(disc) + layers * disc, levels)

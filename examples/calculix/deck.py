@@ -11,11 +11,10 @@ import numpy as np
 import cylinder_mesh
 
 C1, C2, TAU, GAMMA, G_MAX, LAMBDA_CRIT = 16.0, 4.0, 0.5, 2.0, 1.1, 1.01  # Table 1: kPa, kPa, days, -, -, -
-TENDON_STIFFNESS = 100.0  # over that of the muscle
 NEVER = 1000.0  # an elastic stretch that the tendon does not reach, so that it does not grow
 WEEKS = (7.0, 14.0, 28.0, 42.0)  # days of output, beside the end of the ramp
 STATE = ["G", "lambda_e", "lambda", "J", "Je"]  # the first of STATEV; the fibre comes from PROPS
-ENDS = ("clamped", "free", "tendon")
+ENDS = ("clamped", "free", "tendon", "mixed")
 
 
 class Case(NamedTuple):
@@ -24,9 +23,11 @@ class Case(NamedTuple):
     size: str = "coarse"  # of cylinder_mesh.SIZES
     ends: str = "clamped"
     tendon_length: float = 20.0  # mm, of the stiff layer at either end; with ends = tendon
+    tendon_stiffness: float = 100.0  # over that of the muscle
     pull: float = 40.0  # mm
     ramp: float = 1.0  # days
     duration: float = 42.0  # days
+    tau: float = TAU  # days, time constant of growth
     fibre_angle: float = 0.0  # degrees from the axis, in the x-z plane
     energy: int = 0  # PROPS(11)
     integration: int = 1  # PROPS(12)
@@ -73,7 +74,7 @@ def steps_of_leg(case, start, end, end_layer):
     layer; a first increment of more than half its height can turn it inside out.
     """
     if start == 0:
-        longest = case.ramp / 10
+        longest = min(case.ramp / 10, 2 * case.tau)  # so that a long ramp does not outrun the growth by a step
         first = min(longest, 0.4 * end_layer / abs(case.pull) * case.ramp)
     else:
         # Growth slows down the longer the muscle is held, and so may the steps.
@@ -111,7 +112,7 @@ def _material(name, set_name, stiffness, lambda_crit, case):
 {len(STATE)}
 ** c1, c2 [kPa], tau [days], gamma, G_max, lambda_crit, n0; frame, energy, integration
 *USER MATERIAL, CONSTANTS=12
-{C1 * stiffness:g}, {C2 * stiffness:g}, {TAU:g}, {GAMMA:g}, {G_MAX:g}, {lambda_crit:g}, {n[0]:.15g}, {n[1]:.15g}
+{C1 * stiffness:g}, {C2 * stiffness:g}, {case.tau:g}, {GAMMA:g}, {G_MAX:g}, {lambda_crit:g}, {n[0]:.15g}, {n[1]:.15g}
 {n[2]:.15g}, 0., {case.energy}., {case.integration}.
 *SOLID SECTION, ELSET={set_name}, MATERIAL={name}
 """
@@ -120,7 +121,7 @@ def _material(name, set_name, stiffness, lambda_crit, case):
 def _fixed(case, mesh):
     """The boundary conditions that stay as they are; the distal end's axial one is the steps'."""
     if case.ends != "free":
-        return "PROXIMAL, 1, 3\nDISTAL, 1, 2\n"
+        return "PROXIMAL, 1, 3\n" + ("" if case.ends == "mixed" else "DISTAL, 1, 2\n")
     # The ends stay plane and may become thinner; one node holds the axis, another one on the x axis the turn about it.
     on_x = mesh.proximal[np.argmax(mesh.nodes[mesh.proximal, 0])]
     return f"PROXIMAL, 3, 3\n{mesh.proximal[0] + 1}, 1, 2\n{on_x + 1}, 2, 2\n"
@@ -160,7 +161,7 @@ def model(case, mesh):
     text.append(_material("@ABAQUS_MYOGROWTH_CCX@MUSCLE", "MUSCLE", 1.0, LAMBDA_CRIT, case))
     if stiff.any():
         text.append(_set_of("ELSET", "TENDON", (np.flatnonzero(stiff) + 1).tolist()))
-        text.append(_material("@ABAQUS_MYOGROWTH_CCX@TENDON", "TENDON", TENDON_STIFFNESS, NEVER, case))
+        text.append(_material("@ABAQUS_MYOGROWTH_CCX@TENDON", "TENDON", case.tendon_stiffness, NEVER, case))
     text.append(_state_in_restart_files(mesh))
     text.append(f"""*AMPLITUDE, NAME=PULL, TIME=TOTAL TIME
 ** time [days], share of the stretch

@@ -45,7 +45,8 @@ def save(fig, path, colours=None):
 
 def describe(case):
     ends = {"clamped": "clamped ends", "free": "ends free to become thinner",
-            "tendon": f"clamped tendons of {case.tendon_length:g} mm"}[case.ends]
+            "tendon": f"clamped tendons of {case.tendon_length:g} mm",
+            "mixed": "proximal end clamped, distal one free to become thinner"}[case.ends]
     fibres = "fibres along the axis" if case.fibre_angle == 0 else f"fibres {case.fibre_angle:g}° off the axis"
     return f"{case.pull / cylinder_mesh.LENGTH:.0%} stretch, ramped over {case.ramp:g} d and held; {ends}; {fibres}"
 
