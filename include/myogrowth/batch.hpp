@@ -267,7 +267,7 @@ Pack<V, N> long_step_start(const Common<V>& common, const Pack<V, N>& A, const P
   const P way = end - G_n, bound = E * end * way / A;
   const P q_end = lambda - crit * end, k_end = common.to_gamma(P((P(rate.G_max) - end) / room_n));
   P u = way;
-  const auto tighten = [&u, &zero](const Mask<V, N>& there, const P& candidate) {
+  const auto tighten = [&u](const Mask<V, N>& there, const P& candidate) {
     u = select(there & (candidate < u), candidate, u);
   };
   tighten(q_end > zero, room_n * pow(P(bound / select(q_end > zero, q_end, one)), V(1) / rate.gamma));
@@ -288,6 +288,9 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
   const P room_n = select(grows, limit - G_n, one), per_room = one / room_n;
   const P a = dt * P(common.per_time) * common.to_gamma(P(room_n * P(common.per_width)));
+  // (Beyond all sense, but 1/a and what it multiplies would leave the normal range.)
+  constexpr V epsilon = std::numeric_limits<V>::epsilon();
+  const auto in_range = a < P(std::numeric_limits<V>::max() * epsilon * epsilon);
   P A = a, E = one;
   const auto steep = a > one;
   if (any(steep & grows)) {
@@ -327,7 +330,7 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
     G = select(active & (next > G), select(inside, next, end), G);
     active = active & inside & !((step <= most_of_G * next) & (step <= most_of_room * room));
   }
-  left = active;
+  left = active | (grows & !in_range);
 
   G = select(G > G_n, G, G_n);
   G = select(G < end, G, end);
@@ -362,7 +365,7 @@ MYOGROWTH_APART Status update_one(const FibreGrowth<V>& material, std::ptrdiff_t
   if constexpr (tangent == Tangent::compact) {
     const V compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0],
                           u.G,    u.J};
-    for (int k = 0; k < 7; ++k) store_one(out.tangent, k, i, compact[k]);
+    for (int k = 0; k < 7; ++k) store_one(out.tangent, k, i, u.status == Status::ok ? compact[k] : u.tau[0]);
   }
   if constexpr (tangent == Tangent::full) {
     constexpr int n = measure == Measure::first_piola ? 81 : 36;
@@ -421,6 +424,7 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
   bad = bad | !(u.J > zero);
 
   const auto steps = (dt > zero) & !bad;
+  if (material.integration != TimeIntegration::backward_euler) bad = bad | steps;  // it asks for lambda_n
   const auto grows =
       steps & (d.lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max));
   P G = G_n;
@@ -441,7 +445,8 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
   if (tangent != Tangent::none) {
     for (int c = 0; c < 6; ++c) check = check + u.dtau_dG[c] * u.dG_dlambda;
   }
-  bad = bad | !(check - check == zero) | !(dt - dt == zero);
+  // (J_e - 1 may have rounded to -1, of which log1p makes some number.)
+  bad = bad | !(check - check == zero) | !(dt - dt == zero) | !(u.Je > P(std::numeric_limits<V>::epsilon()));
 
   G_out.store(0, select(bad, G_n, G));
   const P scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
