@@ -286,6 +286,9 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
   const P room_n = select(grows, limit - G_n, one), per_room = one / room_n;
   const P a = dt * P(common.per_time) * common.to_gamma(P(room_n * P(common.per_width)));
+  // (Beyond all sense, but 1/a and what it multiplies would leave the normal range.)
+  constexpr V epsilon = std::numeric_limits<V>::epsilon();
+  const auto in_range = a < P(std::numeric_limits<V>::max() * epsilon * epsilon);
   P A = a, E = one;
   const auto steep = a > one;
   if (any(steep & grows)) {
@@ -325,7 +328,7 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
     G = select(active & (next > G), select(inside, next, end), G);
     active = active & inside & !((step <= most_of_G * next) & (step <= most_of_room * room));
   }
-  left = active;
+  left = active | (grows & !in_range);
 
   G = select(G > G_n, G, G_n);
   G = select(G < end, G, end);
@@ -360,7 +363,7 @@ MYOGROWTH_APART Status update_one(const FibreGrowth<V>& material, std::ptrdiff_t
   if constexpr (tangent == Tangent::compact) {
     const V compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0],
                           u.G,    u.J};
-    for (int k = 0; k < 7; ++k) store_one(out.tangent, k, i, compact[k]);
+    for (int k = 0; k < 7; ++k) store_one(out.tangent, k, i, u.status == Status::ok ? compact[k] : u.tau[0]);
   }
   if constexpr (tangent == Tangent::full) {
     constexpr int n = measure == Measure::first_piola ? 81 : 36;

@@ -465,7 +465,7 @@ Pack<V, N> log1p(const Pack<V, N>& x) {
   return y;
 }
 
-/// ln(x), x normal and > 0.
+/// ln(x), x normal and > 0, below 0.7 of the largest number.
 template <class V, int N>
 Pack<V, N> log(const Pack<V, N>& x) {
   Pack<V, N> y;

@@ -1,0 +1,17 @@
+// Linked into tests that are compiled for more than the baseline: on a machine without it they end as
+// skipped. Compiled for the baseline itself, and run before any of their code, of which static initialisers
+// are part.
+#include <unistd.h>
+#include <cstdio>
+
+namespace {
+
+__attribute__((constructor(101))) void skip_where_it_is_missing() {
+  __builtin_cpu_init();
+  if (MYOGROWTH_NEEDS_ISA) return;
+  std::puts("skipped: this machine lacks the instructions that these tests are compiled for");
+  std::fflush(stdout);
+  _exit(77);
+}
+
+}  // namespace
