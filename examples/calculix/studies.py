@@ -307,7 +307,8 @@ def table_of_edges(found):
     said += f"\nElements of {LATER:g} mm, over time:\n\n" + table(
         ["day", "edge", "largest inside", "G, edge", "axis at clamp"], rows)
     once, ramp = (fitted_exponent(EDGES[1:], strains[kind][1:]) for kind in ("at once", "ramp"))
-    return said + (f"\nFit: λe − 1 at the edge goes as (element size)^p with p = {once:.2f} at once and {ramp:.2f} after the ramp (without "
+    return said + (f"\nFit: λe − 1 at the edge goes as (element size)^p with p = {once:.2f} at once and "
+                   f"{ramp:.2f} after the ramp (without "
                    f"the coarsest); "
                    f"linear elasticity's p for a clamped face beside a free one is {clamped_free_exponent():.2f}.\n")
 
@@ -319,7 +320,8 @@ def table_of_ramps(found):
         peak, day = peak_at_a_point(ramp)
         later = at_a_point([14.0, 42.0], ramp)
         rows.append([f"{ramp:g}", peak, f"{day:.3g}", *later.tolist(), r.peak()["lambda_e_max"], f"{r.peak()['time']:.3g}",
-                     r.where(), r.middle(ramp), r.edge(ramp), r.at("lambda_e_max", 14), r.at("lambda_e_max", 42), r.at("lambda_e_mean", 42)])
+                     r.where(), r.middle(ramp), r.edge(ramp), r.at("lambda_e_max", 14), r.at("lambda_e_max", 42),
+                     r.at("lambda_e_mean", 42)])
     return table(["ramp [d]", "point: peak", "on day", "point: day 14", "point: day 42", "cylinder: peak", "on day", "at [mm] †",
                   "mid-length, end of ramp", "edge, end of ramp", "largest, day 14", "largest, day 42", "mean, day 42"], rows)
 
@@ -335,7 +337,8 @@ def table_of_ends(found):
         edges, axes = ([values[here & side & end].max() for end in r.ends] for side in (r.at_surface, r.at_axis))
         rows.append([text, r.peak()["lambda_e_max"], r.where(), *edges, *axes, r.middle(1.0),
                      r.at("lambda_e_min", 1), *(r.at(f"lambda_e_{what}", 42) for what in ("max", "mean", "min"))])
-    return table(["ends", "peak", "at [mm] †", "proximal edge, day 1", "distal edge", "axis at the proximal end", "at the distal end",
+    return table(["ends", "peak", "at [mm] †", "proximal edge, day 1", "distal edge", "axis at the proximal end",
+                  "at the distal end",
                   "mid-length", "smallest",
                   "largest, day 42", "mean, day 42", "smallest, day 42"], rows)
 
@@ -420,7 +423,8 @@ def arguments():
     p.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs at a time, of one thread each")
     p.add_argument("--paper", type=pathlib.Path, default=pathlib.Path("out/paper"),
                    help="a finished run of cylinder.py --size paper, for the table of meshes; left out where there is none")
-    p.add_argument("--write", type=pathlib.Path, help="a markdown file whose tables between two marks are to be made anew, and its figures in images/ "
+    p.add_argument("--write", type=pathlib.Path,
+                   help="a markdown file whose tables between two marks are to be made anew, and its figures in images/ "
                         "beside it")
     p.add_argument("--ccx", type=pathlib.Path, required=True, help="the executable")
     p.add_argument("--library-dir", type=pathlib.Path, required=True, help=f"the folder of {cylinder.LIBRARY}")

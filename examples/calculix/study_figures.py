@@ -45,7 +45,8 @@ def draw_edges(path, found):
     fig, axes = plt.subplots(1, 3, figsize=(11, 4), width_ratios=[1, 1, 0.9])
     shown = [(name, colour) for name, colour in (("coarse", GREEN), ("medium", PURPLE), ("paper", ORANGE), ("edge 0.2", BLUE),
                                                  ("edge 0.06", "0.2")) if name in found]
-    for ax, chosen, text in ((axes[0], "at_axis", "along the axis"), (axes[1], "outermost", "along the surface (outermost Gauss points)")):
+    for ax, chosen, text in ((axes[0], "at_axis", "along the axis"),
+                             (axes[1], "outermost", "along the surface (outermost Gauss points)")):
         for name, colour in shown:
             r = found[name]
             z, values = r.along(getattr(r, chosen), 1.0)
