@@ -153,9 +153,12 @@ Expected expected(const FibreGrowth<>& muscle, const Point<double>& p) {
   const double* be = e.u.point.be;
   const double stiffness = e.u.point.c1 + 2 * e.u.point.c2 * std::max(1.0, be[0] + be[1] + be[2]);
   const double per_F = F.inverse().norm(), per_J = 1 / e.u.point.J;
+  // det F - 1 cancels where F is far from I and J is small, differently with every choice of fused
+  // operations.
+  const double lost = std::max(1.0, std::pow(1 + F.norm(), 3) / e.u.point.J / 64);
   constexpr int pulls = C::measure == Measure::cauchy ? 0 : C::measure == Measure::first_piola ? 1 : 2;
-  e.stress_size = stiffness * (pulls == 0 ? per_J : std::pow(per_F, pulls));
-  e.tangent_size = stiffness * (pulls == 0 ? per_J : std::pow(per_F, 2 * pulls));
+  e.stress_size = lost * stiffness * (pulls == 0 ? per_J : std::pow(per_F, pulls));
+  e.tangent_size = lost * stiffness * (pulls == 0 ? per_J : std::pow(per_F, 2 * pulls));
   const auto copy = [](const auto& from, double* to) {
     std::copy(from.data(), from.data() + from.size(), to);
   };
@@ -439,15 +442,12 @@ TYPED_TEST(BatchFloat, AgreesWithDouble) {
       ASSERT_EQ((run<C>(f, rounded, results)), 0);
       for (std::size_t i = 0; i < points.size(); ++i) {
         const Expected e = expected<C>(m, points[i]);
-        const double lost = std::pow(1 + norm(points[i].F, 9), 3) / e.u.point.J;  // by det F - 1
         Result<double> x{};
         std::copy(results[i].stress, results[i].stress + 9, x.stress);
         std::copy(results[i].tangent, results[i].tangent + 81, x.tangent);
         worst_G = std::max(worst_G, std::abs(static_cast<double>(results[i].G) / e.result.G - 1));
-        worst_stress =
-            std::max(worst_stress, distance(x.stress, e.result.stress, 9) / (lost * e.stress_size));
-        worst_tangent =
-            std::max(worst_tangent, distance(x.tangent, e.result.tangent, 81) / (lost * e.tangent_size));
+        worst_stress = std::max(worst_stress, distance(x.stress, e.result.stress, 9) / e.stress_size);
+        worst_tangent = std::max(worst_tangent, distance(x.tangent, e.result.tangent, 81) / e.tangent_size);
       }
     }
   }
@@ -455,8 +455,8 @@ TYPED_TEST(BatchFloat, AgreesWithDouble) {
   this->RecordProperty("worst_stress_e7", std::to_string(worst_stress * 1e7));
   this->RecordProperty("worst_tangent_e7", std::to_string(worst_tangent * 1e7));
   EXPECT_LE(worst_G, 1e-6);
-  EXPECT_LE(worst_stress, 2e-6);
-  EXPECT_LE(worst_tangent, 2e-6);
+  EXPECT_LE(worst_stress, 1e-4);
+  EXPECT_LE(worst_tangent, 1e-4);
 }
 
 }  // namespace
