@@ -136,7 +136,8 @@ std::ptrdiff_t run(const FibreGrowth<V>& muscle, const std::vector<Point<V>>& po
 struct Expected {
   Update<> u;
   Result<double> result;
-  double stress_size, tangent_size;  ///< c1 + 2 c2 |b_e| in the measure
+  double lost;                       ///< >= 1: what cancels in det F - 1
+  double stress_size, tangent_size;  ///< c1 + 2 c2 |b_e| in the measure, times that
 };
 template <class C>
 Expected expected(const FibreGrowth<>& muscle, const Point<double>& p) {
@@ -155,7 +156,7 @@ Expected expected(const FibreGrowth<>& muscle, const Point<double>& p) {
   const double per_F = F.inverse().norm(), per_J = 1 / e.u.point.J;
   // det F - 1 cancels where F is far from I and J is small, differently with every choice of fused
   // operations.
-  const double lost = std::max(1.0, std::pow(1 + F.norm(), 3) / e.u.point.J / 64);
+  const double lost = e.lost = std::max(1.0, std::pow(1 + F.norm(), 3) / e.u.point.J / 64);
   constexpr int pulls = C::measure == Measure::cauchy ? 0 : C::measure == Measure::first_piola ? 1 : 2;
   e.stress_size = lost * stiffness * (pulls == 0 ? per_J : std::pow(per_F, pulls));
   e.tangent_size = lost * stiffness * (pulls == 0 ? per_J : std::pow(per_F, 2 * pulls));
@@ -301,7 +302,8 @@ TYPED_TEST(Batch, AgreesWithTheUpdateOfEveryPoint) {
         const double tangent = distance(x.tangent, e.result.tangent, 81);
         worst_G = std::max(worst_G, G);
         worst_stress = std::max(worst_stress, stress / (size + e.stress_size));
-        if (size > 0.1 * e.stress_size) worst_own_stress = std::max(worst_own_stress, stress / size);
+        if (e.lost == 1 && size > 0.1 * e.stress_size)
+          worst_own_stress = std::max(worst_own_stress, stress / size);
         worst_tangent = std::max(worst_tangent, tangent / e.tangent_size);
         for (int c = 0; c < 5; ++c) {
           const double scale = c < 4 ? std::abs(e.result.scalars[c]) : e.u.point.c1 + e.u.point.c2;
