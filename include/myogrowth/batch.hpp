@@ -177,6 +177,14 @@ struct Points {
   Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
   void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
 };
+template <class V, int N, class W, int components, int block>
+struct Points<V, N, Aosoa<W, components, block>> {
+  static_assert(block % N == 0, "a block must hold whole packs: choose N, or a longer block");
+  typename Aosoa<W, components, block>::Place at;
+  Points(const Aosoa<W, components, block>& view, std::ptrdiff_t i) : at(view.from(i)) {}
+  Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
+  void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
+};
 template <class V, int N, class W>
 struct Points<V, N, Shared<W>> {
   const W* data;
