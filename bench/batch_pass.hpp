@@ -1,5 +1,5 @@
-// The batch over points in blocks of 16, for one instruction set. Plain C, so that nothing compiled for one set
-// can be taken for another's.
+// The batch over points in blocks of 16, for one instruction set. Plain C, so that nothing compiled for one
+// set can be taken for another's.
 #ifndef MYOGROWTH_BENCH_BATCH_PASS_HPP
 #define MYOGROWTH_BENCH_BATCH_PASS_HPP
 

@@ -42,8 +42,9 @@ constexpr std::size_t in_blocks(std::size_t components, std::size_t p, std::size
   return (p / bench_block * components + c) * bench_block + p % bench_block;
 }
 
-/// Inputs of `size` points, a multiple of bench_block, in the layouts that the variants take. F, and with it the load on the memory, is
-/// the same whatever grows: it is the sarcomere number at the start of the step that decides.
+/// Inputs of `size` points, a multiple of bench_block, in the layouts that the variants take. F, and with it
+/// the load on the memory, is the same whatever grows: it is the sarcomere number at the start of the step
+/// that decides.
 struct Points {
   std::size_t size;
   Numbers F, n0;                ///< 9 and 3 a point

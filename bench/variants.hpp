@@ -221,20 +221,20 @@ constexpr double closed_form = 1e-10, by_differences = 1e-6;
 /// This library's, as far as this machine can run them.
 inline std::vector<Variant> ours() {
   std::vector<Variant> all = {
-      umat_variant("umat_", "libmyogrowth_umat.so", closed_form),
-      {"kernel", 13, 43, closed_form, kernel_pass, kernel_result},
-      {"myogrowth_update_n", 9 + nstatv, 42 + nstatv, closed_form, update_n_pass, umat_result, true,
-       Isa::fastest},
-      batch_variant("batch base, stress", bench_batch_base, 0, Isa::base, closed_form),
-      batch_variant("batch base, compact", bench_batch_base, 7, Isa::base, closed_form),
-      batch_variant("batch base, full", bench_batch_base, 36, Isa::base, closed_form),
+    umat_variant("umat_", "libmyogrowth_umat.so", closed_form),
+    {"kernel", 13, 43, closed_form, kernel_pass, kernel_result},
+    {"myogrowth_update_n", 9 + nstatv, 42 + nstatv, closed_form, update_n_pass, umat_result, true,
+     Isa::fastest},
+    batch_variant("batch base, stress", bench_batch_base, 0, Isa::base, closed_form),
+    batch_variant("batch base, compact", bench_batch_base, 7, Isa::base, closed_form),
+    batch_variant("batch base, full", bench_batch_base, 36, Isa::base, closed_form),
 #if defined(__x86_64__)
-      batch_variant("batch AVX2, stress", bench_batch_avx2, 0, Isa::avx2, closed_form),
-      batch_variant("batch AVX2, compact", bench_batch_avx2, 7, Isa::avx2, closed_form),
-      batch_variant("batch AVX2, full", bench_batch_avx2, 36, Isa::avx2, closed_form),
-      batch_variant("batch AVX-512, stress", bench_batch_avx512, 0, Isa::avx512, closed_form),
-      batch_variant("batch AVX-512, compact", bench_batch_avx512, 7, Isa::avx512, closed_form),
-      batch_variant("batch AVX-512, full", bench_batch_avx512, 36, Isa::avx512, closed_form),
+    batch_variant("batch AVX2, stress", bench_batch_avx2, 0, Isa::avx2, closed_form),
+    batch_variant("batch AVX2, compact", bench_batch_avx2, 7, Isa::avx2, closed_form),
+    batch_variant("batch AVX2, full", bench_batch_avx2, 36, Isa::avx2, closed_form),
+    batch_variant("batch AVX-512, stress", bench_batch_avx512, 0, Isa::avx512, closed_form),
+    batch_variant("batch AVX-512, compact", bench_batch_avx512, 7, Isa::avx512, closed_form),
+    batch_variant("batch AVX-512, full", bench_batch_avx512, 36, Isa::avx512, closed_form),
 #endif
   };
   all.erase(std::remove_if(all.begin(), all.end(), [](const Variant& v) { return !has(v.isa); }), all.end());
