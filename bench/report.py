@@ -164,8 +164,8 @@ def draw(variants, path):
     every = [variants[v][c].ns for v in names for c in case.values()]
     ax.set_xlim(10 ** math.floor(math.log10(min(every) / 2)), 4 * max(every))
     ax.set_yticks(range(len(names)), names, fontsize=8.5)
-    ax.set_xlabel(f"ns a growing point, one core, in cache: stress, G and tangent, or what is named (×: over {REFERENCE})",
-                  fontsize=8.5)
+    ax.set_xlabel("ns a growing point, one core, in cache: stress, G, and tangent but for \"stress\"\n"
+                  f"(×: over {REFERENCE})", fontsize=8.5)
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(fontsize=8.5, frameon=False, loc="upper right")
     fig.tight_layout()
