@@ -88,7 +88,7 @@ def main():
     elif grown:
         sys.exit(f"FAILED: more than {100 * GROWTH_ALLOWED:g} % more instructions, or none kept: {'; '.join(grown)}.\n"
                  "If that is meant, keep the new figures: ./run instructions --update")
-    elif any(counted.get(name, 0) < (1 - GROWTH_ALLOWED) * was for name, was in before.items()):
+    elif any(counted.get(name, was) < (1 - GROWTH_ALLOWED) * was for name, was in before.items()):
         print("fewer than before: ./run instructions --update keeps it so")
 
 

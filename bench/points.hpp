@@ -4,8 +4,11 @@
 
 #include <Eigen/Dense>
 #include <cstddef>
+#include <new>
 #include <random>
 #include <vector>
+
+#include "batch_pass.hpp"
 
 namespace bench {
 
@@ -19,15 +22,38 @@ constexpr double dtime = 0.1, G_max = 1.1, lambda_crit = 1.01;
 /// PROPS: Table 1 of the paper, but for gamma.
 inline std::vector<double> props(double gamma) { return {16, 4, 0.5, gamma, G_max, lambda_crit, 1, 0, 0}; }
 
-/// Inputs of `size` points, in the layouts that the variants take. F, and with it the load on the memory, is
-/// the same whatever grows: it is the sarcomere number at the start of the step that decides.
+/// Numbers that begin with a cache line, so that no pack lies across two.
+template <class T>
+struct OnCacheLine {
+  using value_type = T;
+  static constexpr std::align_val_t line{64};
+  OnCacheLine() = default;
+  template <class U>
+  OnCacheLine(const OnCacheLine<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), line)); }
+  void deallocate(T* p, std::size_t) { ::operator delete(p, line); }
+  friend bool operator==(OnCacheLine, OnCacheLine) { return true; }
+  friend bool operator!=(OnCacheLine, OnCacheLine) { return false; }
+};
+using Numbers = std::vector<double, OnCacheLine<double>>;
+
+/// Component c of point p in blocks of bench_block points.
+constexpr std::size_t in_blocks(std::size_t components, std::size_t p, std::size_t c) {
+  return (p / bench_block * components + c) * bench_block + p % bench_block;
+}
+
+/// Inputs of `size` points, a multiple of bench_block, in the layouts that the variants take. F, and with it
+/// the load on the memory, is the same whatever grows: it is the sarcomere number at the start of the step
+/// that decides.
 struct Points {
   std::size_t size;
-  std::vector<double> F, n0;                ///< 9 and 3 a point
-  std::vector<double> G_n[n_growths];       ///< 1 a point
-  std::vector<double> statev_n[n_growths];  ///< nstatv a point
+  Numbers F, n0;                ///< 9 and 3 a point
+  Numbers G_n[n_growths];       ///< 1 a point
+  Numbers statev_n[n_growths];  ///< nstatv a point
+  Numbers F_blocks, n0_blocks;  ///< the same in blocks
 
-  explicit Points(std::size_t size_) : size(size_), F(9 * size), n0(3 * size) {
+  explicit Points(std::size_t size_)
+      : size(size_), F(9 * size), n0(3 * size), F_blocks(9 * size), n0_blocks(3 * size) {
     std::mt19937_64 random(20240607);
     std::uniform_real_distribution<double> unit(0, 1);
     const auto between = [&](double a, double b) { return a + (b - a) * unit(random); };
@@ -52,6 +78,8 @@ struct Points {
       const Matrix3d rotated = Eigen::AngleAxisd(between(0, 0.3), direction()) * deformation;
       Eigen::Map<Matrix3d>(F.data() + 9 * p) = rotated;
       Eigen::Map<Vector3d>(n0.data() + 3 * p) = n;
+      for (std::size_t c = 0; c < 9; ++c) F_blocks[in_blocks(9, p, c)] = F[9 * p + c];
+      for (std::size_t c = 0; c < 3; ++c) n0_blocks[in_blocks(3, p, c)] = n0[3 * p + c];
 
       // A muscle that grows, anywhere between its start and the threshold; and one that has reached the
       // threshold.

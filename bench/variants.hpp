@@ -5,6 +5,7 @@
 #define MYOGROWTH_BENCH_VARIANTS_HPP
 
 #include <dlfcn.h>
+#include <myogrowth.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include <cstdlib>
 #include <functional>
 #include <limits>
+#include <myogrowth/batch.hpp>
 #include <myogrowth/kernel.hpp>
 #include <string>
 
@@ -21,7 +23,7 @@
 namespace bench {
 
 constexpr double gammas[] = {2, 2.5};
-constexpr std::size_t in_cache = 512;      ///< points a thread
+constexpr std::size_t in_cache = 64;       ///< points a thread: 29 KB of the batch's data, which L1 holds
 constexpr std::size_t streamed = 5 << 16;  ///< points in all: 175 MB through the UMAT, more than caches hold
 
 /// What is given for a pass over the points [first, last).
@@ -34,12 +36,28 @@ struct Work {
 
 /// Outputs, shared by all variants: room for 50 numbers a point.
 constexpr std::size_t room = 6 + 36 + nstatv;
-inline std::vector<double> memory;
+inline Numbers memory;
 
 /// One point's result as the kernel gives it.
 struct Result {
   double tau[6], c[36], G;
 };
+
+/// What a variant's code is compiled for; `fastest`: it chooses for itself.
+enum class Isa { base, avx2, avx512, fastest };
+inline bool has(Isa isa) {
+#if defined(__x86_64__)
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (isa == Isa::avx2) return avx2;
+  if (isa == Isa::avx512) {
+    return avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+  }
+  return true;
+#else
+  return isa == Isa::base || isa == Isa::fastest;
+#endif
+}
 
 using Pass = std::function<void(const Work&)>;
 using Reader = std::function<Result(const Work&, std::size_t point)>;
@@ -50,6 +68,8 @@ struct Variant {
   double tolerance;
   Pass pass;
   Reader read;
+  bool with_tangent = true;
+  Isa isa = Isa::base;
 };
 
 inline myogrowth::FibreGrowth<double> material(double gamma) {
@@ -133,16 +153,92 @@ inline Variant umat_variant(const std::string& name, const std::string& library,
           umat_result};
 }
 
+// --- the C API's many points, the arrays as a UMAT's
+
+inline void update_n_pass(const Work& w) {
+  const std::vector<double> constants = props(w.gamma);
+  double *stress = memory.data(), *ddsdde = stress + 6 * w.points.size, *statev = ddsdde + 36 * w.points.size;
+  myogrowth_update_n(static_cast<int>(w.last - w.first), constants.data(), static_cast<int>(constants.size()),
+                     &w.points.F[9 * w.first], &w.points.statev_n[w.growth][nstatv * w.first],
+                     statev + nstatv * w.first, nstatv, dtime, MYOGROWTH_CAUCHY, stress + 6 * w.first,
+                     ddsdde + 36 * w.first, nullptr, nullptr, nullptr, 0);
+}
+
+// --- the batch, compiled for one instruction set, points in blocks
+
+inline void batch_pass(BenchBatchPass* pass, int tangent, const Work& w) {
+  double *stress = memory.data(), *moduli = stress + 6 * w.points.size, *G = moduli + 36 * w.points.size;
+  const std::size_t m = w.first;
+  const BenchBatch b{static_cast<long>(w.last - w.first),
+                     w.gamma,
+                     &w.points.F_blocks[9 * m],
+                     &w.points.n0_blocks[3 * m],
+                     &w.points.G_n[w.growth][m],
+                     &dtime,
+                     stress + 6 * m,
+                     G + m,
+                     moduli + static_cast<std::size_t>(tangent) * m};
+  pass(tangent, &b);
+}
+
+inline Result batch_result(int tangent, const Work& w, std::size_t p) {
+  const double *stress = memory.data(), *moduli = stress + 6 * w.points.size,
+               *G = moduli + 36 * w.points.size;
+  const double* F = &w.points.F[9 * p];
+  const double J = F[0] * (F[4] * F[8] - F[7] * F[5]) - F[3] * (F[1] * F[8] - F[7] * F[2]) +
+                   F[6] * (F[1] * F[5] - F[4] * F[2]);
+  double sigma[6], x[36];
+  for (std::size_t c = 0; c < 6; ++c) sigma[c] = stress[in_blocks(6, p, c)];
+  const auto n = static_cast<std::size_t>(tangent);
+  for (std::size_t c = 0; c < n; ++c) x[c] = moduli[in_blocks(n, p, c)];
+  if (tangent == 7) {
+    const myogrowth::CompactTangent<double> compact{{x[0], x[1], x[2]}, x[3], x[4], x[5], x[6]};
+    compact.expand(material(w.gamma), sigma, x);
+  }
+  Result r;
+  for (int i = 0; i < 6; ++i) r.tau[i] = J * sigma[i];
+  for (int i = 0; i < 36; ++i) r.c[i] = tangent == 0 ? 0 : J * x[i];
+  r.G = G[p];
+  return r;
+}
+
+inline Variant batch_variant(const std::string& name, BenchBatchPass* pass, int tangent, Isa isa,
+                             double tolerance) {
+  return {name,
+          13,
+          7 + tangent,
+          tolerance,
+          [=](const Work& w) { batch_pass(pass, tangent, w); },
+          [=](const Work& w, std::size_t p) { return batch_result(tangent, w, p); },
+          tangent > 0,
+          isa};
+}
+
 // --- all
 
 constexpr double closed_form = 1e-10, by_differences = 1e-6;
 
-/// This library's.
+/// This library's, as far as this machine can run them.
 inline std::vector<Variant> ours() {
-  return {
-      umat_variant("umat_", "libmyogrowth_umat.so", closed_form),
-      {"kernel", 13, 43, closed_form, kernel_pass, kernel_result},
+  std::vector<Variant> all = {
+    umat_variant("umat_", "libmyogrowth_umat.so", closed_form),
+    {"kernel", 13, 43, closed_form, kernel_pass, kernel_result},
+    {"myogrowth_update_n", 9 + nstatv, 42 + nstatv, closed_form, update_n_pass, umat_result, true,
+     Isa::fastest},
+    batch_variant("batch base, stress", bench_batch_base, 0, Isa::base, closed_form),
+    batch_variant("batch base, compact", bench_batch_base, 7, Isa::base, closed_form),
+    batch_variant("batch base, full", bench_batch_base, 36, Isa::base, closed_form),
+#if defined(__x86_64__)
+    batch_variant("batch AVX2, stress", bench_batch_avx2, 0, Isa::avx2, closed_form),
+    batch_variant("batch AVX2, compact", bench_batch_avx2, 7, Isa::avx2, closed_form),
+    batch_variant("batch AVX2, full", bench_batch_avx2, 36, Isa::avx2, closed_form),
+    batch_variant("batch AVX-512, stress", bench_batch_avx512, 0, Isa::avx512, closed_form),
+    batch_variant("batch AVX-512, compact", bench_batch_avx512, 7, Isa::avx512, closed_form),
+    batch_variant("batch AVX-512, full", bench_batch_avx512, 36, Isa::avx512, closed_form),
+#endif
   };
+  all.erase(std::remove_if(all.begin(), all.end(), [](const Variant& v) { return !has(v.isa); }), all.end());
+  return all;
 }
 
 /// What others would write.
@@ -167,7 +263,7 @@ inline double difference(const Variant& variant, const Work& w, std::size_t p) {
   double worst = std::abs(r.G - expected.G), sum = r.G;
   for (int i = 0; i < 6; ++i)
     worst = std::max(worst, std::abs(r.tau[i] - expected.tau[i]) / m.c2), sum += r.tau[i];
-  for (int i = 0; i < 36; ++i)
+  for (int i = 0; i < 36 && variant.with_tangent; ++i)
     worst = std::max(worst, std::abs(r.c[i] - expected.c[i]) / scale), sum += r.c[i];
   return std::isfinite(sum) ? worst : std::numeric_limits<double>::infinity();
 }

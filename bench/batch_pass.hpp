@@ -1,0 +1,21 @@
+// The batch over points in blocks of 16, for one instruction set. Plain C, so that nothing compiled for one
+// set can be taken for another's.
+#ifndef MYOGROWTH_BENCH_BATCH_PASS_HPP
+#define MYOGROWTH_BENCH_BATCH_PASS_HPP
+
+extern "C" {
+
+constexpr int bench_block = 16;
+
+struct BenchBatch {
+  long n;
+  double gamma;
+  const double *F, *n0, *G, *dt;  ///< 9, 3 and 1 a point in blocks; 1
+  double *stress, *G_end, *tangent;
+};
+/// Numbers of the tangent a point: 0, 7 (compact) or 36 (DDSDDE).
+using BenchBatchPass = void(int tangent, const BenchBatch* batch);
+BenchBatchPass bench_batch_base, bench_batch_avx2, bench_batch_avx512;
+}
+
+#endif
