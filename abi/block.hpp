@@ -33,7 +33,9 @@ struct MyogrowthBlock {
 /// result its stress is NaN.
 using MyogrowthUpdateBlock = void(const MyogrowthBlockMaterial* material, int n, int measure,
                                   int with_tangent, MyogrowthBlock* block);
+#pragma GCC visibility push(hidden)
 MyogrowthUpdateBlock myogrowth_update_block_base, myogrowth_update_block_avx2, myogrowth_update_block_avx512;
+#pragma GCC visibility pop
 }
 
 namespace myogrowth {
@@ -42,12 +44,10 @@ namespace abi {
 /// The fastest that this machine has.
 inline MyogrowthUpdateBlock* update_block() {
 #if defined(__x86_64__)
-  static MyogrowthUpdateBlock* const fastest =
-      __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("fma")
-          ? myogrowth_update_block_avx512
-      : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? myogrowth_update_block_avx2
-                                                                        : myogrowth_update_block_base;
-  return fastest;
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return myogrowth_update_block_base;
+  const bool widest = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+  return widest ? myogrowth_update_block_avx512 : myogrowth_update_block_avx2;
 #else
   return myogrowth_update_block_base;
 #endif

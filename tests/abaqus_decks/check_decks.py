@@ -452,7 +452,7 @@ class Spoiled(unittest.TestCase):
         self.spoil("CONSTANTS=9", "CONSTANTS=8", "says 8 CONSTANTS and gives 9")
         self.spoil("\n0.\n*AMPLITUDE", "\n*AMPLITUDE", "says 9 CONSTANTS and gives 8")
         self.spoil("1., 0.,\n0.", "1.,\n0., 0.", "lines of eight")
-        self.spoil("1., 0.,\n0.\n", "1., 0.,\n" + 8 * "0., " + "\n0., 0.\n", "constants")
+        self.spoil("1., 0.,\n0.\n", "1., 0.,\n" + 8 * "0., " + "\n0., 0., 0.\n", "constants")
         self.spoil("1.01, 1.,", "1.01, 0.,", "fibre without length")
         self.spoil("16., 4.", "-3., 4.", "PROPS(1) = -3: c1")
         self.spoil("16., 4.", "16., 0.", "PROPS(2) = 0: c2")
