@@ -20,8 +20,17 @@
 #endif
 
 /// All that a function calls is put into it; never put into others. The packs' code is fast as one piece
-/// alone.
+/// alone. (Not with the sanitizers: compilers take many minutes for such a piece.)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MYOGROWTH_FLAT
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define MYOGROWTH_FLAT
+#endif
+#endif
+#if !defined(MYOGROWTH_FLAT)
 #define MYOGROWTH_FLAT __attribute__((flatten))
+#endif
 #define MYOGROWTH_APART __attribute__((noinline))
 
 namespace myogrowth {
