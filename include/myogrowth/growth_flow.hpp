@@ -79,13 +79,16 @@ FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
   // bounded.
   const V panel = 4 / (4 + (eq.gamma < 100 ? eq.gamma : V(100)));
   // Where what is left of the way is below rounding, the end is reached.
-  const V w_end = log(flow.u_n / (std::numeric_limits<V>::epsilon() * eq.end / 8)) + panel;
+  const V below_rounding = log(flow.u_n / (std::numeric_limits<V>::epsilon() * eq.end / 8)) + panel;
+  const V most = 2 * log(std::numeric_limits<V>::max());  // for an end so near 0 that its rounding is 0
+  const V w_end = below_rounding < most ? below_rounding : most;
   V w = 0, time = 0, sensitivity = 0;
   int iterations = 0;
   const FlowResult<V> ended{eq.end, flow.q_end > 0 ? V(0) : 1 / eq.crit, V(0), iterations};
   while (w < w_end) {
     ++iterations;
     const FlowIntegrals<V> whole = integrate(flow, w, w + panel);
+    if (!(whole.time >= 0)) break;  // not a number: out of range, at the end
     if (!(whole.time >= a - time)) {
       time += whole.time;
       sensitivity += whole.sensitivity;
