@@ -57,7 +57,7 @@ TEST(MixedElements, WithTheVolumeOfFItIsTheOrdinaryUpdate) {
     EXPECT_LE((mixed.stress - plain.stress).head(n).norm(), 1e-13 * (16 + plain.stress.head(n).norm()));
     const auto of = [n](const Call& c) { return Eigen::Map<const Eigen::MatrixXd>(c.ddsdde.data(), n, n); };
     EXPECT_LE((of(mixed) - of(plain)).norm(), 1e-13 * of(plain).norm());
-    for (int k = 0; k < 8; ++k) EXPECT_NEAR(mixed.statev[k], plain.statev[k], 1e-13) << k;
+    for (std::size_t k = 0; k < 8; ++k) EXPECT_NEAR(mixed.statev[k], plain.statev[k], 1e-13) << k;
     EXPECT_EQ(plain.K, host::untouched);
   }
 }
