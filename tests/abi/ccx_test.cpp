@@ -136,7 +136,7 @@ TEST(Ccx, BothAreTheCoreBitForBit) {
 // dE = sym(F^T dF): with dF = F^-T dE, S is differenced along each of the six strains.
 TEST(Ccx, TheTangentIsTheCentralDifferenceOfTheStress) {
   samples::Random r(72);
-  const double h = 2e-6;
+  const double h = 5e-7;
   double worst = 0;
   for (int i = 0; i < 300; ++i) {
     const Kind smooth[] = {Kind::growing, Kind::below_threshold, Kind::elastic_step};
