@@ -191,6 +191,34 @@ void jaumann_from_dP_dF(const T F[9], const T tau[6], const T dP_dF[81], T c[36]
   }
 }
 
+/// dtau_dF[54], where entry a + 6 (k + 3L) is dtau_a/dF_kL, by the product rule on tau = P F^T.
+template <class T>
+void dtau_dF_from_dP_dF(const T F[9], const T P[9], const T dP_dF[81], T dtau_dF[54]) {
+  for (int column = 0; column < 9; ++column) {
+    const int k = column % 3, L = column / 3;
+    for (int a = 0; a < 6; ++a) {
+      const int i = symmetric_row(a), j = symmetric_column(a);
+      T sum = j == k ? P[i + 3 * L] : T(0);
+      for (int J = 0; J < 3; ++J) sum = sum + dP_dF[(i + 3 * J) + 9 * column] * F[j + 3 * J];
+      dtau_dF[a + 6 * column] = sum;
+    }
+  }
+}
+
+/// dsigma_dF[54] = (dtau_dF - tau⊗F^-T)/J, in the layout of dtau_dF[54].
+template <class T>
+void dsigma_dF_from_dtau_dF(const T F[9], const T& J, const T tau[6], const T dtau_dF[54], T dsigma_dF[54]) {
+  T inv[9];
+  inverse(F, inv);
+  for (int column = 0; column < 9; ++column) {
+    const int k = column % 3, L = column / 3;
+    for (int a = 0; a < 6; ++a) {
+      const int entry = a + 6 * column;
+      dsigma_dF[entry] = (dtau_dF[entry] - tau[a] * inv[L + 3 * k]) / J;
+    }
+  }
+}
+
 /// Second Piola-Kirchhoff stress S[6] = F^-1 tau F^-T.
 template <class T>
 void second_piola_from_kirchhoff(const T F[9], const T tau[6], T S[6]) {
