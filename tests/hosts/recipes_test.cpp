@@ -1,0 +1,453 @@
+// Hosts of the UMAT as their sources have them, and the recipes of docs/hosts.md: right with, and where it
+// teaches something, wrong without. What a host does is told in our own words; where it stands is cited.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cfloat>
+#include <cmath>
+#include <cstring>
+
+#include "../../examples/mfem/muscle_model.hpp"
+#include "../support/samples.hpp"
+#include "../support/umat_host.hpp"
+
+namespace {
+
+using Eigen::Matrix3d;
+using Numbers = std::vector<double>;
+using Six = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// Table 1, and a fibre that no axis favours.
+const Numbers muscle = {16, 4, 0.5, 2, 1.1, 1.01, 0.6, 0.48, 0.64};
+
+myogrowth::State<> at_rest() {
+  myogrowth::State<> s;
+  s.n0 = {0.6, 0.48, 0.64};
+  return s;
+}
+
+Matrix3d rotation(double angle) {
+  return Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+}
+Matrix3d rotation_of(const Matrix3d& F) {  // Higham's iteration
+  Matrix3d R = F;
+  for (int i = 0; i < 30; ++i) R = (R + R.inverse().transpose().eval()) / 2;
+  return R;
+}
+
+// A path that stretches by 15 % and turns by 10 degrees a step.
+Matrix3d on_path(int step) {
+  Matrix3d F = Eigen::Vector3d(1 + 0.015 * step, 1 - 0.004 * step, 1 + 0.002 * step).asDiagonal();
+  F(0, 1) = 0.01 * step;
+  return rotation(0.175 * step) * F;
+}
+
+double difference(const Matrix3d& a, const Matrix3d& b) { return (a - b).norm() / b.norm(); }
+
+constexpr int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+
+Matrix3d tensor(const double* six) {
+  Matrix3d A;
+  for (int a = 0; a < 6; ++a) A(row[a], column[a]) = A(column[a], row[a]) = six[a];
+  return A;
+}
+
+// ---- MOOSE
+// -------------------------------------------------------------------------------------------------
+// modules/solid_mechanics/src/materials/abaqus/AbaqusUMATStress.C, without `orientation`: all in three
+// dimensions; F is turned round to Fortran's order; STATEV starts at 0; PNEWDT comes in as DBL_MAX; DDSDDE is
+// read row by row, so transposed (issue 22225); the stress is turned by the increment's rotation afterwards,
+// unless decomposition_method is HughesWinget; CMNAME comes without its hidden length.
+struct Moose {
+  bool hughes_winget = true;
+  Numbers state = Numbers(8, 0.0);
+  Matrix3d F_old = Matrix3d::Identity(), stress = Matrix3d::Zero();
+  double jacobian[3][3][3][3];
+  double material_timestep = 0;
+
+  void compute(const Matrix3d& F, double dt) {
+    host::Call c;  // given without what MOOSE does not give: NOEL and COORDS are there, but not Abaqus's
+    c.props = muscle;
+    c.statev = state;
+    c.dtime = dt;
+    c.pnewdt = DBL_MAX;
+    const RowMajor3 turned_round = F.transpose();
+    std::memcpy(c.F.data(), turned_round.data(), sizeof(double) * 9);
+    const Matrix3d rotation_increment = rotation_of(F * F_old.inverse());
+    const Matrix3d old =
+        hughes_winget ? Matrix3d(rotation_increment * stress * rotation_increment.transpose()) : stress;
+    for (int a = 0; a < 6; ++a) c.stress[a] = old(row[a], column[a]);
+    c.ddsdde.setZero();
+    c.run();
+    state = c.statev;
+    material_timestep = c.pnewdt * dt;
+    stress = tensor(c.stress.data());
+    const double* d = c.ddsdde.data();
+    const auto place = [](int i, int j) { return i == j ? i : 2 + i + j; };
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        for (int k = 0; k < 3; ++k) {
+          for (int l = 0; l < 3; ++l) jacobian[i][j][k][l] = d[6 * place(i, j) + place(k, l)];
+        }
+      }
+    }
+    if (!hughes_winget) stress = rotation_increment * stress * rotation_increment.transpose();
+    F_old = F;
+  }
+};
+
+TEST(Moose, TheStressIsRightWithHughesWingetAlone) {
+  for (const bool hughes_winget : {true, false}) {
+    Moose moose;
+    moose.hughes_winget = hughes_winget;
+    auto exact = at_rest();
+    for (int step = 1; step <= 10; ++step) {
+      moose.compute(on_path(step), 0.1);
+      const auto u = myogrowth::update(myogrowth::FibreGrowth<>(), on_path(step), exact, 0.1);
+      exact = u.state;
+      EXPECT_EQ(moose.state[0], exact.G);  // from a STATEV of zeros
+      if (hughes_winget) {
+        EXPECT_LT(difference(moose.stress, u.cauchy()), 1e-14);
+      } else {
+        EXPECT_GT(difference(moose.stress, u.cauchy()), 0.02);  // turned once more, by 10 degrees
+      }
+      EXPECT_EQ(moose.material_timestep, DBL_MAX * 0.1);  // no limit
+    }
+    EXPECT_GT(exact.G, 1.02);
+  }
+}
+
+TEST(Moose, AStepThatCannotBeTakenLimitsTheNext) {
+  Moose moose;
+  Matrix3d F = Matrix3d::Identity();
+  F(0, 0) = -1;
+  moose.compute(F, 0.1);
+  EXPECT_EQ(moose.material_timestep, 0.025);
+  EXPECT_TRUE(std::isnan(moose.stress(0, 0)));  // so that the solve fails, whoever reads the limit
+  EXPECT_EQ(moose.state[0], 0);
+}
+
+// A point that is stretched along x with its other stresses free, solved by Newton's method with the Jacobian
+// as the host has read it, or as it should have. Returns the iterations; F: the solution, of upper triangular
+// shape, so that there is one.
+int free_sides(bool as_read, Matrix3d& F) {
+  F = Matrix3d::Identity();
+  F(0, 0) = 1.15;
+  Moose moose;
+  for (int iteration = 1; iteration <= 200; ++iteration) {
+    moose.state.assign(8, 0.0);
+    moose.compute(F, 0.2);
+    const Matrix3d& sigma = moose.stress;
+    const auto free_ones = [](const Matrix3d& A) {
+      Eigen::Matrix<double, 5, 1> x;
+      x << A(1, 1), A(2, 2), A(0, 1), A(0, 2), A(1, 2);
+      return x;
+    };
+    if (free_ones(sigma).norm() < 1e-10) return iteration;
+    Eigen::Matrix<double, 5, 5> K;
+    const int unknown[5][2] = {{1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    for (int m = 0; m < 5; ++m) {
+      Matrix3d L = Matrix3d::Zero();
+      L(unknown[m][0], unknown[m][1]) = 1;
+      const Matrix3d D = (L + L.transpose()) / 2, W = (L - L.transpose()) / 2;
+      Matrix3d rate = W * sigma - sigma * W - sigma * D.trace();
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) {
+              rate(i, j) += (as_read ? moose.jacobian[i][j][k][l] : moose.jacobian[k][l][i][j]) * D(k, l);
+            }
+          }
+        }
+      }
+      K.col(m) = free_ones(rate);
+    }
+    const Eigen::Matrix<double, 5, 1> d = -K.partialPivLu().solve(free_ones(sigma));
+    Matrix3d L = Matrix3d::Zero();
+    for (int m = 0; m < 5; ++m) L(unknown[m][0], unknown[m][1]) = d[m];
+    F += L * F;
+  }
+  return 1000;
+}
+
+TEST(Moose, TheTransposedJacobianCostsIterationsAndNothingElse) {
+  Matrix3d right, read;
+  const int as_given = free_sides(false, right), as_read = free_sides(true, read);
+  std::printf("Newton iterations: %d with DDSDDE, %d with its transpose\n", as_given, as_read);
+  EXPECT_LE(as_given, 7);
+  EXPECT_GT(as_read, as_given);
+  EXPECT_LT(as_read, 100);
+  EXPECT_LT(difference(right, read), 1e-9);
+}
+
+// ---- COMSOL
+// ------------------------------------------------------------------------------------------------
+// UMAT4COMSOLfinite.c (github.com/sergiolucarini/UMAT4COMSOL): COMSOL's state has 22 entries more than the
+// UMAT's, and NSTATV counts them; NOEL and COORDS are PROPS(3:6); where PNEWDT < 1 the routine returns as if
+// all were well, its results as they were. The scalar arguments SSE, RPL, DRPLDT ... are by reference here;
+// as published they are by value, which no UMAT that writes to them survives (docs/hosts.md).
+struct Comsol {
+  int user_states = 8;
+  Numbers states;
+  Matrix3d S = Matrix3d::Constant(-777);
+  double jacobian[6][9];  // S: xx yy zz yz xz xy; F: row by row
+
+  explicit Comsol(int n = 8) : user_states(n), states(static_cast<std::size_t>(n + 22), 0.0) {}
+
+  // `F` with rows as C has them. Returns 0: COMSOL goes on.
+  int eval(const Matrix3d& F, double delta, const Numbers& parameters) {
+    host::Call c;
+    c.props = parameters;
+    c.statev = states;
+    c.dtime = delta;
+    c.F = F;
+    c.run();
+    states = c.statev;
+    if (c.pnewdt < 1) return 0;
+    double* own = &states[static_cast<std::size_t>(user_states)];
+    own[0] += delta;
+    std::memcpy(own + 1, F.data(), sizeof(double) * 9);
+    std::memcpy(own + 10, c.stress.data(), sizeof(double) * 6);
+    const double J = F.determinant();
+    const Matrix3d inv = F.inverse(), sigma = tensor(c.stress.data()), tau = J * sigma;
+    S = inv * tau * inv.transpose();
+    // dtau = J DDSDDE:D + W tau - tau W, then S = F^-1 tau F^-T.
+    for (int k = 0; k < 3; ++k) {
+      for (int l = 0; l < 3; ++l) {
+        Matrix3d dF = Matrix3d::Zero();
+        dF(k, l) = 1;
+        const Matrix3d L = dF * inv, D = (L + L.transpose()) / 2, W = (L - L.transpose()) / 2;
+        Six d;
+        for (int a = 0; a < 6; ++a) d[a] = D(row[a], column[a]) * (a < 3 ? 1 : 2);
+        const Six rate = J * c.ddsdde * d;
+        const Matrix3d dtau = tensor(rate.data()) + W * tau - tau * W;
+        const Matrix3d dS = inv * (dtau - L * tau - tau * L.transpose()) * inv.transpose();
+        const int r[6] = {0, 1, 2, 1, 0, 0}, s[6] = {0, 1, 2, 2, 2, 1};
+        for (int a = 0; a < 6; ++a) jacobian[a][3 * k + l] = dS(r[a], s[a]);
+      }
+    }
+    return 0;
+  }
+};
+
+TEST(Comsol, StressAndJacobianAreThoseOfTheLaw) {
+  Comsol comsol;
+  auto exact = at_rest();
+  for (int step = 1; step <= 10; ++step) {
+    const Matrix3d F = on_path(step);
+    comsol.eval(F, 0.1, muscle);
+    const auto u = myogrowth::update(myogrowth::FibreGrowth<>(), F, exact, 0.1);
+    EXPECT_LT(difference(comsol.S, u.second_piola()), 1e-13);
+    for (int k = 0; k < 3; ++k) {
+      for (int l = 0; l < 3; ++l) {
+        const double h = 1e-6;
+        Matrix3d side[2] = {F, F};
+        side[0](k, l) -= h, side[1](k, l) += h;
+        const Matrix3d dS =
+            (myogrowth::update(myogrowth::FibreGrowth<>(), side[1], exact, 0.1).second_piola() -
+             myogrowth::update(myogrowth::FibreGrowth<>(), side[0], exact, 0.1).second_piola()) /
+            (2 * h);
+        EXPECT_NEAR(comsol.jacobian[0][3 * k + l], dS(0, 0), 1e-6);
+        EXPECT_NEAR(comsol.jacobian[3][3 * k + l], dS(1, 2), 1e-6);
+        EXPECT_NEAR(comsol.jacobian[5][3 * k + l], dS(0, 1), 1e-6);
+      }
+    }
+    exact = u.state;
+    EXPECT_EQ(comsol.states[0], exact.G);
+    EXPECT_NEAR(comsol.states[8], 0.1 * step, 1e-15);  // what the wrapper keeps is still its own
+  }
+}
+
+TEST(Comsol, FewerThanEightStatesAreWrittenOver) {
+  Comsol comsol(4);
+  comsol.eval(on_path(1), 0.1, muscle);
+  EXPECT_NE(comsol.states[4], 0.1);  // the wrapper's time, which Je and the fibre have overwritten
+}
+
+TEST(Comsol, AFailedStepAndAdviceAreNotNoticed) {
+  Comsol comsol;
+  Matrix3d F = Matrix3d::Identity();
+  F(0, 0) = -1;
+  EXPECT_EQ(comsol.eval(F, 0.1, muscle), 0);
+  EXPECT_EQ(comsol.S, Matrix3d::Constant(-777));
+  Numbers advised = muscle;
+  advised.insert(advised.end(), {0, 0, 0, 1e-9});  // PROPS(13): a tolerance that the step does not meet
+  EXPECT_EQ(comsol.eval(on_path(5), 1, advised), 0);
+  EXPECT_EQ(comsol.S, Matrix3d::Constant(-777));
+  EXPECT_GT(comsol.states[0], 1);  // and yet the state has moved
+}
+
+// ---- WARP3D
+// ------------------------------------------------------------------------------------------------
+// src/rstgp1.f, drive_umat_update: six arguments more; PROPS are 50 numbers, 0 where nothing is said; STATEV
+// is zeroed in step 1; PNEWDT comes in as 1e6; the tangent is kept symmetric; what comes back is taken for
+// the unrotated Cauchy stress R^T sigma R unless umat_set_features says 1 in its third entry; SSE is added
+// up.
+extern "C" {
+using WarpUmat = void(double*, double*, double*, double*, double*, double*, double*, double*, double*,
+                      double*, const double*, const double*, const double*, const double*, const double*,
+                      const double*, const double*, const double*, const char*, const int*, const int*,
+                      const int*, const int*, const double*, const int*, const double*, const double*,
+                      double*, const double*, const double*, const double*, const int*, const int*,
+                      const int*, const int*, const int*, const int*, const int*, const int*, const int*,
+                      const int*, double*, const int*);
+}
+
+struct Warp3d {
+  bool says_cauchy = true;
+  Numbers props = muscle, state = Numbers(8, 0.0);
+  Matrix3d unrotated = Matrix3d::Zero();  // what it keeps
+  Matrix6 tangent;
+  double work = 0, pnewdt = 0;
+
+  void update(const Matrix3d& F, double dtime) {
+    Numbers fifty = props, statev = state;
+    fifty.resize(50, 0.0);
+    statev.push_back(-999999.9);  // its guard behind the last
+    Six stress = Six::Zero();
+    Matrix6 ddsdde = Matrix6::Zero();
+    double sse = 0, spd = 0, scd = 0, rpl = 0, drpldt = 0, six[6] = {}, out[6] = {}, shared[5] = {};
+    const double zero[6] = {}, time[2] = {}, celent = 1;
+    const Matrix3d one = Matrix3d::Identity();
+    const int ndi = 3, nshr = 3, ntens = 6, nstatv = 8, nprops = 50, some = 1, n_shared = 5;
+    pnewdt = 1e6;
+    reinterpret_cast<WarpUmat*>(reinterpret_cast<void (*)()>(myogrowth_umat_))(
+        stress.data(), statev.data(), ddsdde.data(), &sse, &spd, &scd, &rpl, six, out, &drpldt, zero, zero,
+        time, &dtime, zero, zero, zero, zero, "UMAT-WRP", &ndi, &nshr, &ntens, &nstatv, fifty.data(), &nprops,
+        zero, one.data(), &pnewdt, &celent, one.data(), F.data(), &some, &some, &some, &some, &some, &some,
+        &some, &some, &some, &some, shared, &n_shared);
+    EXPECT_EQ(statev[8], -999999.9);
+    state.assign(statev.begin(), statev.begin() + 8);
+    const Matrix3d R = rotation_of(F), given = tensor(stress.data());
+    unrotated = says_cauchy ? Matrix3d(R.transpose() * given * R) : given;
+    tangent = (ddsdde + ddsdde.transpose()) / 2;
+    work += sse + spd + scd;
+  }
+  Matrix3d cauchy(const Matrix3d& F) const { return rotation_of(F) * unrotated * rotation_of(F).transpose(); }
+};
+
+TEST(Warp3d, TheStressIsRightIfItIsSaidToBeCauchys) {
+  for (const bool says_cauchy : {true, false}) {
+    Warp3d warp;
+    warp.says_cauchy = says_cauchy;
+    auto exact = at_rest();
+    double work = 0;
+    for (int step = 1; step <= 10; ++step) {
+      const Matrix3d F = on_path(step);
+      warp.update(F, 0.1);
+      const auto u = myogrowth::update(myogrowth::FibreGrowth<>(), F, exact, 0.1);
+      exact = u.state;
+      work = u.point.psi;
+      EXPECT_EQ(warp.state[0], exact.G);
+      EXPECT_EQ(warp.pnewdt, 1e6);
+      if (says_cauchy) {
+        EXPECT_LT(difference(warp.cauchy(F), u.cauchy()), 1e-14);
+      } else {
+        EXPECT_GT(difference(warp.cauchy(F), u.cauchy()), 0.02);
+      }
+      const Matrix6 c = u.ddsdde();
+      EXPECT_LT((warp.tangent - (c + c.transpose()) / 2).norm(), 1e-12 * c.norm());
+    }
+    EXPECT_GT(warp.work, 2 * work);  // its energies are sums of ours over the steps, and mean nothing
+  }
+}
+
+TEST(Warp3d, AFibreThatIsNotGivenIsNamed) {
+  Warp3d warp;
+  warp.props.resize(6);  // with Abaqus the fibre would be along x
+  testing::internal::CaptureStderr();
+  warp.update(on_path(1), 0.1);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("PROPS(7:9) = 0, 0, 0: n0"), std::string::npos);
+  EXPECT_EQ(warp.pnewdt, 0.25);
+}
+
+// ---- code_aster
+// -------------------------------------------------------------------------------------------- bibfor,
+// lc0050.F90 and umatPrepareStrain.F90 (RELATION='UMAT'): strains and their increments come, small or
+// logarithmic; DFGRD0 and DFGRD1 are all zero.
+TEST(CodeAster, ItsUmatHasNoDeformationToGive) {
+  host::Call c;
+  c.props = muscle;
+  c.F.setZero();  // whatever STRAN and DSTRAN say
+  c.dtime = 1;
+  c.run();
+  EXPECT_EQ(c.stress, Six::Zero());  // undeformed: no stress, no growth, no message
+  EXPECT_EQ(c.statev[0], 1);
+  EXPECT_EQ(c.pnewdt, 1);
+}
+
+// ---- MFEM
+// --------------------------------------------------------------------------------------------------
+// fem/hyperelastic.cpp, HyperelasticNLFIntegrator: F = x^T DS, residual DS P^T, unknowns component by
+// component.
+TEST(Mfem, TheGradientIsThatOfTheResidual) {
+  samples::Random r(1);
+  const int dof = 8;
+  MuscleModel model(myogrowth::FibreGrowth<>(), 3, 5);
+  model.dt = 0.3;
+  mfem::ElementTransformation T;
+  T.ElementNo = 2, T.point.index = 4;
+  model.SetTransformation(T);
+  model.state(2, 4).n0 = {0.6, 0.48, 0.64};
+  mfem::DenseMatrix DS(dof, 3), x(dof, 3);
+  for (int a = 0; a < dof; ++a) {
+    for (int i = 0; i < 3; ++i) DS(a, i) = r.uniform(-1, 1);
+  }
+  const auto gradient = [&](const mfem::DenseMatrix& at) {
+    mfem::DenseMatrix F(3, 3);
+    for (int i = 0; i < 3; ++i) {
+      for (int J = 0; J < 3; ++J) {
+        F(i, J) = i == J ? 1.1 : 0;
+        for (int a = 0; a < dof; ++a) F(i, J) += at(a, i) * DS(a, J);
+      }
+    }
+    return F;
+  };
+  const auto residual = [&](const mfem::DenseMatrix& at) {
+    mfem::DenseMatrix P(3, 3), R(dof, 3);
+    model.EvalP(gradient(at), P);
+    for (int a = 0; a < dof; ++a) {
+      for (int i = 0; i < 3; ++i) {
+        for (int J = 0; J < 3; ++J) R(a, i) += 0.7 * DS(a, J) * P(i, J);
+      }
+    }
+    return R;
+  };
+  for (int a = 0; a < dof; ++a) {
+    for (int i = 0; i < 3; ++i) x(a, i) = r.uniform(-0.02, 0.02);
+  }
+  mfem::DenseMatrix A(3 * dof, 3 * dof);
+  model.AssembleH(gradient(x), DS, 0.7, A);
+  double worst = 0, asymmetry = 0, size = 0;
+  const double h = 1e-6;
+  for (int b = 0; b < dof; ++b) {
+    for (int l = 0; l < 3; ++l) {
+      mfem::DenseMatrix less = x, more = x;
+      less(b, l) -= h, more(b, l) += h;
+      const mfem::DenseMatrix R0 = residual(less), R1 = residual(more);
+      for (int a = 0; a < dof; ++a) {
+        for (int k = 0; k < 3; ++k) {
+          const double entry = A(a + k * dof, b + l * dof);
+          worst = std::max(worst, std::abs(entry - (R1(a, k) - R0(a, k)) / (2 * h)));
+          asymmetry = std::max(asymmetry, std::abs(entry - A(b + l * dof, a + k * dof)));
+          size = std::max(size, std::abs(entry));
+        }
+      }
+    }
+  }
+  EXPECT_LT(worst, 1e-7 * size);
+  EXPECT_GT(asymmetry, 1e-3 * size);
+
+  // The end of the step, and only of the point that was evaluated.
+  mfem::DenseMatrix P(3, 3);
+  model.EvalP(gradient(x), P);
+  EXPECT_EQ(model.state(2, 4).G, 1);
+  model.EndStep();
+  EXPECT_GT(model.state(2, 4).G, 1.001);
+  EXPECT_EQ(model.state(2, 3).G, 1);
+}
+
+}  // namespace
