@@ -50,7 +50,7 @@ struct CompactTangent {
 
   /// DDSDDE[36] from the numbers and the Cauchy stress[6].
   template <class P>
-  void expand(const FibreGrowth<P>& material, const T stress[6], T ddsdde[36]) const {
+  MYOGROWTH_FUNCTION void expand(const FibreGrowth<P>& material, const T stress[6], T ddsdde[36]) const {
     PointUpdate<T> u;
     const T one(Real<T>(1)), per_G = one / G;
     const bool grown = material.energy == EnergyPer::grown_volume;
@@ -81,9 +81,9 @@ struct Soa {
   struct Place {
     V* data;
     std::ptrdiff_t n;
-    V* operator()(int c) const { return data + c * n; }
+    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c * n; }
   };
-  Place from(std::ptrdiff_t i) const { return {data + i, n}; }
+  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i, n}; }
 };
 /// One point after the other.
 template <class V, int components>
@@ -91,9 +91,9 @@ struct Aos {
   V* data;
   struct Place {
     V* data;
-    V* operator()(int c) const { return data + c; }
+    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c; }
   };
-  Place from(std::ptrdiff_t i) const { return {data + i * components}; }
+  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i * components}; }
 };
 /// Blocks of `block` points, a multiple of the lanes; in a block one component after the other. The fastest.
 template <class V, int components, int block = 16>
@@ -101,9 +101,11 @@ struct Aosoa {
   V* data;
   struct Place {
     V* data;
-    V* operator()(int c) const { return data + c * block; }
+    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c * block; }
   };
-  Place from(std::ptrdiff_t i) const { return {data + i / block * (block * components) + i % block}; }
+  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const {
+    return {data + i / block * (block * components) + i % block};
+  }
 };
 /// The same for all points.
 template <class V>
@@ -111,9 +113,9 @@ struct Shared {
   V* data;
   struct Place {
     V* data;
-    V* operator()(int c) const { return data + c; }
+    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c; }
   };
-  Place from(std::ptrdiff_t) const { return {data}; }
+  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t) const { return {data}; }
 };
 /// Not there: what would be written is not.
 struct None {
@@ -121,19 +123,19 @@ struct None {
 };
 
 template <class V>
-Soa<V> soa(V* data, std::ptrdiff_t n) {
+MYOGROWTH_FUNCTION Soa<V> soa(V* data, std::ptrdiff_t n) {
   return {data, n};
 }
 template <int components, class V>
-Aos<V, components> aos(V* data) {
+MYOGROWTH_FUNCTION Aos<V, components> aos(V* data) {
   return {data};
 }
 template <int components, int block = 16, class V = double>
-Aosoa<V, components, block> aosoa(V* data) {
+MYOGROWTH_FUNCTION Aosoa<V, components, block> aosoa(V* data) {
   return {data};
 }
 template <class V>
-Shared<V> shared(V* data) {
+MYOGROWTH_FUNCTION Shared<V> shared(V* data) {
   return {data};
 }
 
@@ -224,19 +226,19 @@ struct Writer {
 };
 
 template <class V, class View>
-V load_one(const View& view, int c, std::ptrdiff_t i) {
+MYOGROWTH_FUNCTION V load_one(const View& view, int c, std::ptrdiff_t i) {
   return *view.from(i)(c);
 }
 template <class V>
-V load_one(None, int, std::ptrdiff_t) {
+MYOGROWTH_FUNCTION V load_one(None, int, std::ptrdiff_t) {
   return V(1);
 }
 template <class V, class View>
-void store_one(const View& view, int c, std::ptrdiff_t i, V x) {
+MYOGROWTH_FUNCTION void store_one(const View& view, int c, std::ptrdiff_t i, V x) {
   *view.from(i)(c) = x;
 }
 template <class V>
-void store_one(None, int, std::ptrdiff_t, V) {}
+MYOGROWTH_FUNCTION void store_one(None, int, std::ptrdiff_t, V) {}
 
 /// What all packs of a batch have in common.
 template <class V>

@@ -24,7 +24,7 @@ struct Flow {
   BracketedEquation<V, sign> eq;
   V u_n, room_end, q_end;
 
-  explicit Flow(const BracketedEquation<V, sign>& equation)
+  MYOGROWTH_FUNCTION explicit Flow(const BracketedEquation<V, sign>& equation)
       : eq(equation),
         u_n(sign * (eq.end - eq.G_n)),
         room_end(eq.end == eq.limit ? V(0) : eq.room(eq.end)),
@@ -33,7 +33,7 @@ struct Flow {
   struct At {
     V kappa, q, g, u;
   };
-  At at(V w) const {
+  MYOGROWTH_FUNCTION At at(V w) const {
     const V u = u_n * exp(-w);
     return {power(V((room_end + u) / eq.room_n), eq.gamma), q_end + eq.crit * u, eq.end - sign * u, u};
   }
@@ -47,7 +47,7 @@ struct FlowIntegrals {
 
 /// By the ten-point Gauss-Legendre rule.
 template <class V, int sign>
-FlowIntegrals<V> integrate(const Flow<V, sign>& flow, V w_0, V w_1) {
+MYOGROWTH_FUNCTION FlowIntegrals<V> integrate(const Flow<V, sign>& flow, V w_0, V w_1) {
   const V point[5] = {V(0.14887433898163121088482600112972L), V(0.43339539412924719079926594316579L),
                       V(0.67940956829902440623432736511487L), V(0.86506336668898451073209668842349L),
                       V(0.97390652851717172007796401208445L)};
@@ -73,7 +73,7 @@ struct FlowResult {
 };
 
 template <class V, int sign>
-FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
+MYOGROWTH_FUNCTION FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
   const BracketedEquation<V, sign>& eq = flow.eq;
   // Short against the growth of the integrands, as far as anybody's gamma goes: the number of panels is
   // bounded.
@@ -122,16 +122,17 @@ FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
 
 /// A number of the scalar's own kind from a value and its derivatives.
 template <class T, class V>
-T carried(const FlowResult<V>& r, const T& G_n, const T& lambda, std::false_type) {
+MYOGROWTH_FUNCTION T carried(const FlowResult<V>& r, const T& G_n, const T& lambda, std::false_type) {
   return T(r.G) + r.dG_dlambda * (lambda - value(lambda)) + r.dG_dG_n * (G_n - value(G_n));
 }
 template <class T, class V>
-T carried(const FlowResult<V>& r, const T&, const T&, std::true_type) {
+MYOGROWTH_FUNCTION T carried(const FlowResult<V>& r, const T&, const T&, std::true_type) {
   return r.G;
 }
 
 template <class T, int sign>
-GrowthStep<T> follow(const GrowthEquation<Real<T>, sign>& equation, const T& G_n, const T& lambda) {
+MYOGROWTH_FUNCTION GrowthStep<T> follow(const GrowthEquation<Real<T>, sign>& equation, const T& G_n,
+                                        const T& lambda) {
   using V = Real<T>;
   const BracketedEquation<V, sign> eq(equation, value(G_n), value(lambda));
   if (!(eq.A > 0)) return {G_n, T(0), 0};
@@ -148,8 +149,8 @@ GrowthStep<T> follow(const GrowthEquation<Real<T>, sign>& equation, const T& G_n
 /// The bounds are those of solve_growth, and so is what dG_dlambda means, with respect to the stretch given
 /// here. T may carry derivatives with respect to lambda and G_n; the parameters are plain numbers.
 template <class T, class V>
-GrowthStep<T> flow_growth(const GrowthRate<V>& growth, const RemovalRate<V>& removal, const T& G_n,
-                          const T& lambda, const std::common_type_t<V>& dt) {
+MYOGROWTH_FUNCTION GrowthStep<T> flow_growth(const GrowthRate<V>& growth, const RemovalRate<V>& removal,
+                                             const T& G_n, const T& lambda, const std::common_type_t<V>& dt) {
   static_assert(std::is_same<V, Real<T>>::value, "the flow takes parameters that are plain numbers");
   const V G = value(G_n), stretch = value(lambda);
   if (dt > 0 && stretch > growth.lambda_crit * G && G < growth.G_max) {
@@ -165,15 +166,15 @@ GrowthStep<T> flow_growth(const GrowthRate<V>& growth, const RemovalRate<V>& rem
 /// Euler against the flow at mid-step (an error of order dt^2), the latter against the mean of the flows at
 /// the stretches of both ends (of the order of the stretch's change in dt, squared).
 template <class V>
-V time_error_of_backward_euler(const GrowthRate<V>& growth, const RemovalRate<V>& removal, V G_n, V lambda_n,
-                               V lambda, V dt) {
+MYOGROWTH_FUNCTION V time_error_of_backward_euler(const GrowthRate<V>& growth, const RemovalRate<V>& removal,
+                                                  V G_n, V lambda_n, V lambda, V dt) {
   const V difference = solve_growth(growth, removal, G_n, lambda, dt).G -
                        flow_growth(growth, removal, G_n, (lambda_n + lambda) / 2, dt).G;
   return difference < 0 ? -difference : difference;
 }
 template <class V>
-V time_error_of_midpoint_flow(const GrowthRate<V>& growth, const RemovalRate<V>& removal, V G_n, V lambda_n,
-                              V lambda, V dt) {
+MYOGROWTH_FUNCTION V time_error_of_midpoint_flow(const GrowthRate<V>& growth, const RemovalRate<V>& removal,
+                                                 V G_n, V lambda_n, V lambda, V dt) {
   const V difference =
       flow_growth(growth, removal, G_n, (lambda_n + lambda) / 2, dt).G -
       (flow_growth(growth, removal, G_n, lambda_n, dt).G + flow_growth(growth, removal, G_n, lambda, dt).G) /

@@ -22,46 +22,46 @@ struct GrowthRate {
   /// What is left of the capacity to grow, [(G_max - G)/(G_max - 1)]^gamma [-]: 1 at G = 1, 0 at and beyond
   /// G_max, where the formula itself would turn positive again for even gamma.
   template <class T>
-  Product<T, P> capacity(const T& G) const {
+  MYOGROWTH_FUNCTION Product<T, P> capacity(const T& G) const {
     if (!(value(G) < value(G_max))) return Product<T, P>(0);
     return power(Product<T, P>((G_max - G) / (G_max - P(1))), gamma);
   }
 
   /// Derivative of the capacity with respect to G [-], 0 at and beyond G_max.
   template <class T>
-  Product<T, P> dcapacity_dG(const T& G) const {
+  MYOGROWTH_FUNCTION Product<T, P> dcapacity_dG(const T& G) const {
     if (!(value(G) < value(G_max))) return Product<T, P>(0);
     return -gamma * capacity(G) / (G_max - G);
   }
 
   /// Adaptation function k_g(G) [1/time].
   template <class T>
-  Product<T, P> adaptation(const T& G) const {
+  MYOGROWTH_FUNCTION Product<T, P> adaptation(const T& G) const {
     return capacity(G) / growth_time;
   }
 
   /// dk_g/dG [1/time].
   template <class T>
-  Product<T, P> dadaptation_dG(const T& G) const {
+  MYOGROWTH_FUNCTION Product<T, P> dadaptation_dG(const T& G) const {
     return dcapacity_dG(G) / growth_time;
   }
 
   /// Growth criterion phi_g(lambda_e) = max(lambda_e - lambda_crit, 0) [-].
   template <class T>
-  Product<T, P> criterion(const T& lambda_e) const {
+  MYOGROWTH_FUNCTION Product<T, P> criterion(const T& lambda_e) const {
     if (!(value(lambda_e) > value(lambda_crit))) return Product<T, P>(0);
     return Product<T, P>(lambda_e - lambda_crit);
   }
 
   /// dphi_g/dlambda_e [-]: 1 above the threshold, 0 at and below it.
   template <class T>
-  Product<T, P> dcriterion_dlambda_e(const T& lambda_e) const {
+  MYOGROWTH_FUNCTION Product<T, P> dcriterion_dlambda_e(const T& lambda_e) const {
     return Product<T, P>(value(lambda_e) > value(lambda_crit) ? 1 : 0);
   }
 
   /// Growth rate dG/dt at sarcomere number G under the total fibre stretch lambda [1/time].
   template <class T>
-  Product<T, P> rate(const T& G, const T& lambda) const {
+  MYOGROWTH_FUNCTION Product<T, P> rate(const T& G, const T& lambda) const {
     return adaptation(G) * criterion(T(lambda / G));
   }
 };

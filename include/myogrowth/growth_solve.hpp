@@ -39,8 +39,8 @@ struct GrowthEquation {
   Real<P> room_n;  ///< sign (limit - G_n), the unit in which what is left of the way is measured
 
   /// growth_time: tau or tau_rev. width: limit's distance from where the capacity is 1.
-  GrowthEquation(const P& limit_, const P& gamma_, const P& crit_, const P& width, const P& dt,
-                 const P& growth_time, Real<P> G_n)
+  MYOGROWTH_FUNCTION GrowthEquation(const P& limit_, const P& gamma_, const P& crit_, const P& width,
+                                    const P& dt, const P& growth_time, Real<P> G_n)
       : limit(limit_),
         gamma(gamma_),
         crit(crit_),
@@ -57,7 +57,7 @@ struct GrowthEquation {
 
   /// The values of one that carries derivatives.
   template <class Q>
-  explicit GrowthEquation(const GrowthEquation<Q, sign>& lifted)
+  MYOGROWTH_FUNCTION explicit GrowthEquation(const GrowthEquation<Q, sign>& lifted)
       : limit(value(lifted.limit)),
         gamma(value(lifted.gamma)),
         crit(value(lifted.crit)),
@@ -66,37 +66,38 @@ struct GrowthEquation {
         room_n(lifted.room_n) {}
 
   template <class T>
-  T room(const T& G) const {
+  MYOGROWTH_FUNCTION T room(const T& G) const {
     return sign > 0 ? T(limit - G) : T(G - limit);
   }
   template <class T>
-  T k(const T& G) const {
+  MYOGROWTH_FUNCTION T k(const T& G) const {
     return A * power(T(room(G) / room_n), gamma);
   }
   template <class T>
-  T q(const T& lambda, const T& G) const {
+  MYOGROWTH_FUNCTION T q(const T& lambda, const T& G) const {
     return sign > 0 ? T(lambda - crit * G) : T(crit * G - lambda);
   }
   /// E sign G (G - G_n): what has been done of the way.
   template <class T>
-  T done(const T& G, const T& G_n) const {
+  MYOGROWTH_FUNCTION T done(const T& G, const T& G_n) const {
     return sign > 0 ? T(E * G * (G - G_n)) : T(E * G * (G_n - G));
   }
   /// room times sign times the derivative of done - k q at the root. As k q = done there, nothing cancels.
   template <class T>
-  T room_times_slope(const T& G, const T& G_n, const T& k) const {
+  MYOGROWTH_FUNCTION T room_times_slope(const T& G, const T& G_n, const T& k) const {
     return (E * (G + G - G_n) + k * crit) * room(G) + gamma * done(G, G_n);
   }
 };
 
 /// The equation of growth, and of removal.
 template <class P>
-GrowthEquation<P, 1> equation_of(const GrowthRate<P>& growth, const P& dt, Real<P> G_n) {
+MYOGROWTH_FUNCTION GrowthEquation<P, 1> equation_of(const GrowthRate<P>& growth, const P& dt, Real<P> G_n) {
   return {growth.G_max, growth.gamma, growth.lambda_crit, growth.G_max - P(1), dt, growth.growth_time, G_n};
 }
 template <class P>
-GrowthEquation<P, -1> equation_of(const GrowthRate<P>& growth, const RemovalRate<P>& removal, const P& dt,
-                                  Real<P> G_n) {
+MYOGROWTH_FUNCTION GrowthEquation<P, -1> equation_of(const GrowthRate<P>& growth,
+                                                     const RemovalRate<P>& removal, const P& dt,
+                                                     Real<P> G_n) {
   return {removal.G_min,
           removal.gamma,
           removal.lambda_crit,
@@ -111,21 +112,21 @@ template <class V, int sign>
 struct BracketedEquation : GrowthEquation<V, sign> {
   V lambda, G_n, end;
 
-  BracketedEquation(const GrowthEquation<V, sign>& equation, V G_n_, V lambda_)
+  MYOGROWTH_FUNCTION BracketedEquation(const GrowthEquation<V, sign>& equation, V G_n_, V lambda_)
       : GrowthEquation<V, sign>(equation), lambda(lambda_), G_n(G_n_), end(lambda_ / equation.crit) {
     if (!before(end, this->limit)) end = this->limit;
   }
 
   /// Whether x comes before y on the way from G_n to end.
-  static bool before(V x, V y) { return sign > 0 ? x < y : x > y; }
+  MYOGROWTH_FUNCTION static bool before(V x, V y) { return sign > 0 ? x < y : x > y; }
   /// k q - done: positive before the root.
-  V to_do(V G) const { return this->k(G) * this->q(lambda, G) - this->done(G, G_n); }
+  MYOGROWTH_FUNCTION V to_do(V G) const { return this->k(G) * this->q(lambda, G) - this->done(G, G_n); }
 };
 
 /// Whether rounding is all that is left after this step. Newton's method leaves step^2 R''/(2 R'), and R''/R'
 /// is at most 2 gamma/(G_max - G) + 2/G: the two bounds below make that about rounding.
 template <class V>
-bool is_last_step(V step, V G, V room, V gamma) {
+MYOGROWTH_FUNCTION bool is_last_step(V step, V G, V room, V gamma) {
   constexpr V of_room = V(1) / static_cast<V>(1ll << ((std::numeric_limits<V>::digits - 1) / 3));
   constexpr V of_G = std::numeric_limits<V>::epsilon() / of_room;
   return step <= of_G * G && step * (1 + gamma) <= 2 * of_room * room;
@@ -135,7 +136,7 @@ bool is_last_step(V step, V G, V room, V gamma) {
 /// which is never below it (Bernoulli's inequality), the equation is quadratic in the way d = sign (G - G_n)
 /// made.
 template <class V, int sign>
-V short_step_start(const BracketedEquation<V, sign>& eq) {
+MYOGROWTH_FUNCTION V short_step_start(const BracketedEquation<V, sign>& eq) {
   const V fade = eq.gamma / eq.room_n, q = eq.q(eq.lambda, eq.G_n);
   const V a = sign * eq.E - eq.A * fade * eq.crit, b = eq.E * eq.G_n + eq.A * (eq.crit + fade * q),
           c = eq.A * q;
@@ -148,7 +149,7 @@ V short_step_start(const BracketedEquation<V, sign>& eq) {
 /// `bound`, which limits the distance u from the end of the bracket in three ways: by what is left of q or of
 /// k at the end itself, and by their product.
 template <class V, int sign>
-V long_step_start(const BracketedEquation<V, sign>& eq) {
+MYOGROWTH_FUNCTION V long_step_start(const BracketedEquation<V, sign>& eq) {
   const V way = sign * (eq.end - eq.G_n);
   const V bound = eq.E * (sign > 0 ? eq.end : eq.G_n) * way / eq.A;
   const V q_end = eq.q(eq.lambda, eq.end);
@@ -167,7 +168,7 @@ V long_step_start(const BracketedEquation<V, sign>& eq) {
 
 /// gamma = 0: the equation is quadratic in G, and the same for either sign.
 template <class V, int sign>
-V root_of_quadratic(const BracketedEquation<V, sign>& eq) {
+MYOGROWTH_FUNCTION V root_of_quadratic(const BracketedEquation<V, sign>& eq) {
   const V b = eq.A * eq.crit - eq.E * eq.G_n;
   const V c = eq.A * eq.lambda;
   const V root = sqrt(b * b + 4 * eq.E * c);
@@ -177,7 +178,7 @@ V root_of_quadratic(const BracketedEquation<V, sign>& eq) {
 /// Halves the way from G, before the root, to end, behind it, down to rounding: for parameters so far out
 /// (gamma in the hundreds) that Newton's method would take its time.
 template <class V, int sign>
-V bisect(const BracketedEquation<V, sign>& eq, V G, V end, int& iterations) {
+MYOGROWTH_FUNCTION V bisect(const BracketedEquation<V, sign>& eq, V G, V end, int& iterations) {
   for (;;) {
     ++iterations;
     const bool far = end > 4 * G || G > 4 * end;
@@ -191,7 +192,7 @@ V bisect(const BracketedEquation<V, sign>& eq, V G, V end, int& iterations) {
 /// k is one in G with the room left, room^gamma being proportional to k, shortened by its own factor. (For
 /// removal with 0 < gamma < 1 of more than half of G_n the step may pass the root, and bisection takes over.)
 template <class V, int sign>
-V newton(const BracketedEquation<V, sign>& eq, V G, int& iterations) {
+MYOGROWTH_FUNCTION V newton(const BracketedEquation<V, sign>& eq, V G, int& iterations) {
   constexpr int patience = 64;  // three times what gamma = 20 takes
   const Exponent<V> gamma_minus_1(eq.gamma - 1);
   const V per_room = 1 / eq.room_n, gamma_per_room = eq.gamma * per_room;
@@ -221,7 +222,7 @@ V newton(const BracketedEquation<V, sign>& eq, V G, int& iterations) {
 }
 
 template <class V, int sign>
-V growth_root(const BracketedEquation<V, sign>& eq, int& iterations) {
+MYOGROWTH_FUNCTION V growth_root(const BracketedEquation<V, sign>& eq, int& iterations) {
   if (!(eq.gamma > std::numeric_limits<V>::epsilon())) {  // k is constant to rounding
     iterations = 1;
     return root_of_quadratic(eq);
@@ -235,8 +236,8 @@ V growth_root(const BracketedEquation<V, sign>& eq, int& iterations) {
 /// Gives the converged value the derivatives that the scalar carries, by the implicit function theorem: one
 /// Newton step in T, whose value is nil and whose derivatives are those of the root.
 template <class T, class P, int sign, class V>
-T with_derivatives(const GrowthEquation<P, sign>& eq, const T& G_n, const T& lambda, V G_end,
-                   std::false_type) {
+MYOGROWTH_FUNCTION T with_derivatives(const GrowthEquation<P, sign>& eq, const T& G_n, const T& lambda,
+                                      V G_end, std::false_type) {
   const T G(G_end);
   const T k = eq.k(G);
   const T correction = (eq.done(G, G_n) - k * eq.q(lambda, G)) * eq.room(G) / eq.room_times_slope(G, G_n, k);
@@ -244,13 +245,14 @@ T with_derivatives(const GrowthEquation<P, sign>& eq, const T& G_n, const T& lam
 }
 
 template <class T, class P, int sign>
-T with_derivatives(const GrowthEquation<P, sign>&, const T&, const T&, T G_end, std::true_type) {
+MYOGROWTH_FUNCTION T with_derivatives(const GrowthEquation<P, sign>&, const T&, const T&, T G_end,
+                                      std::true_type) {
   return G_end;  // a plain number carries none
 }
 
 /// The step that either equation makes.
 template <class T, class P, int sign>
-GrowthStep<T> solve(const GrowthEquation<P, sign>& lifted, const T& G_n, const T& lambda) {
+MYOGROWTH_FUNCTION GrowthStep<T> solve(const GrowthEquation<P, sign>& lifted, const T& G_n, const T& lambda) {
   using V = Real<T>;
   const BracketedEquation<V, sign> eq(GrowthEquation<V, sign>(lifted), value(G_n), value(lambda));
   if (!(eq.A > 0)) return {G_n, T(0), 0};  // dt k is below the smallest number
@@ -276,8 +278,9 @@ GrowthStep<T> solve(const GrowthEquation<P, sign>& lifted, const T& G_n, const T
 /// dG/dlambda is the exact derivative of this discrete update, from the implicit function theorem at the
 /// converged G; it is 0 at the thresholds, at G_max and at G_min, and for growth lies in [0, 1/lambda_crit].
 template <class T, class P>
-GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const RemovalRate<P>& removal, const T& G_n,
-                           const T& lambda, const std::common_type_t<P>& dt) {
+MYOGROWTH_FUNCTION GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const RemovalRate<P>& removal,
+                                              const T& G_n, const T& lambda,
+                                              const std::common_type_t<P>& dt) {
   using V = Real<T>;
   const V G = value(G_n), stretch = value(lambda);
   if (!(value(dt) > 0)) return {G_n, T(0), 0};
@@ -293,8 +296,8 @@ GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const RemovalRate<P>& re
 
 /// The same without removal.
 template <class T, class P>
-GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const T& G_n, const T& lambda,
-                           const std::common_type_t<P>& dt) {
+MYOGROWTH_FUNCTION GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const T& G_n, const T& lambda,
+                                              const std::common_type_t<P>& dt) {
   return solve_growth(growth, RemovalRate<P>(), G_n, lambda, dt);
 }
 

@@ -77,33 +77,35 @@ struct PointUpdate {
 /// Makes n0 of any length a unit vector. False if it has no direction (zero, NaN or infinite).
 /// A vector that is of unit length to rounding comes back bit for bit.
 template <class T>
-bool normalise(const T n0[3], T unit[3]) {
+MYOGROWTH_FUNCTION bool normalise(const T n0[3], T unit[3]) {
   using V = Real<T>;
   using Limits = std::numeric_limits<V>;
-  const T square = n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2];
-  const V size = value(square);
-  if (!(size > Limits::min() / Limits::epsilon() && size <= Limits::max())) {  // the square is out of range
+  T n[3] = {n0[0], n0[1], n0[2]};
+  T square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const auto in_range = [](V x) { return x > Limits::min() / Limits::epsilon() && x <= Limits::max(); };
+  if (!in_range(value(square))) {
     V largest(0);
     for (int i = 0; i < 3; ++i) {
-      if (!is_finite(n0[i])) return false;
-      const V length = value(n0[i]) < 0 ? -value(n0[i]) : value(n0[i]);
+      if (!is_finite(n[i])) return false;
+      const V length = value(n[i]) < 0 ? -value(n[i]) : value(n[i]);
       if (length > largest) largest = length;
     }
     if (!(largest > 0)) return false;
-    const T scaled[3] = {n0[0] / largest, n0[1] / largest, n0[2] / largest};
-    return normalise(scaled, unit);
+    for (int i = 0; i < 3; ++i) n[i] = n[i] / largest;
+    square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
   }
+  const V size = value(square);
   constexpr V rounding = 4 * Limits::epsilon();
   const bool is_unit = std::is_same<T, V>::value && -rounding <= size - 1 && size - 1 <= rounding;
   const T per_length = is_unit ? T(V(1)) : T(V(1) / sqrt(square));
-  for (int i = 0; i < 3; ++i) unit[i] = n0[i] * per_length;
+  for (int i = 0; i < 3; ++i) unit[i] = n[i] * per_length;
   return true;
 }
 
 namespace detail {
 
 template <class T>
-Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
   const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
   out.status = status;
   out.iterations = 0;
@@ -116,8 +118,8 @@ Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
 
 /// The time step of eq. 4 that the material asks for, from the stretch lambda_n to lambda.
 template <class T, class P>
-GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T& lambda_n, const T& lambda,
-                   const P& dt, std::true_type) {
+MYOGROWTH_FUNCTION GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T& lambda_n,
+                                      const T& lambda, const P& dt, std::true_type) {
   using V = Real<T>;
   if (material.integration == TimeIntegration::backward_euler) {
     return solve_growth(material.growth, material.removal, G_n, lambda, dt);
@@ -129,8 +131,8 @@ GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T& lambda
 
 /// The flow does not carry derivatives with respect to parameters: it is not a number for them.
 template <class T, class P>
-GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T&, const T& lambda, const P& dt,
-                   std::false_type) {
+MYOGROWTH_FUNCTION GrowthStep<T> grow(const FibreGrowth<P>& material, const T& G_n, const T&, const T& lambda,
+                                      const P& dt, std::false_type) {
   const bool can = material.integration == TimeIntegration::backward_euler;
   const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
   return can ? solve_growth(material.growth, material.removal, G_n, lambda, dt) : GrowthStep<T>{nan, nan, 0};
@@ -145,7 +147,7 @@ struct Deformation {
 };
 
 template <class T>
-void deform(const T F[9], const T n[3], Deformation<T>& d) {
+MYOGROWTH_FUNCTION void deform(const T F[9], const T n[3], Deformation<T>& d) {
   const Real<T> one(1);
   const T H11 = F[0] - one, H21 = F[1], H31 = F[2];
   const T H12 = F[3], H22 = F[4] - one, H32 = F[5];
@@ -165,7 +167,8 @@ void deform(const T F[9], const T n[3], Deformation<T>& d) {
 
 /// All that follows from the deformation and the grown state, without a branch on either.
 template <class T, class P>
-void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G,
+                               PointUpdate<T>& out) {
   using V = Real<T>;
   const V one(1);
   const bool grown = material.energy == EnergyPer::grown_volume;
@@ -204,8 +207,8 @@ void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G,
 /// lambda_n: total fibre stretch at the beginning of the step, 1 if nothing has been deformed yet; only the
 /// midpoint flow uses it (with parameters that are plain numbers).
 template <class T, class P>
-Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n,
-                    const T& lambda_n, const P& dt, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
+                                       const T& G_n, const T& lambda_n, const P& dt, PointUpdate<T>& out) {
   using V = Real<T>;
   if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(Status::not_finite, G_n, out);
   if (!(value(G_n) > 0)) return detail::fail(Status::bad_state, G_n, out);
@@ -237,8 +240,8 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
 
 /// The same from the undeformed fibre, or with backward Euler, which does not ask where the step comes from.
 template <class T, class P>
-Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n, const P& dt,
-                    PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
+                                       const T& G_n, const P& dt, PointUpdate<T>& out) {
   return update_point(material, F, n0, G_n, T(Real<T>(1)), dt, out);
 }
 
@@ -246,7 +249,7 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
 /// is Abaqus's DDSDDE. Consistent with the discrete update: d tau = c:D for a symmetric increment dF = D F.
 /// Unsymmetric where the muscle grows. Array: T[36], or what takes c[i] = T.
 template <class T, class Array>
-void spatial_modulus(const PointUpdate<T>& u, Array&& c, const T& factor) {
+MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, const T& factor) {
   using V = Real<T>;
   const T c1 = factor * u.c1, c2 = factor * u.c2, half_c2 = c2 / V(2), zero(0);
   const T b1 = c2 * u.be[0], b2 = c2 * u.be[1], b3 = c2 * u.be[2];
@@ -279,7 +282,7 @@ void spatial_modulus(const PointUpdate<T>& u, Array&& c, const T& factor) {
 }
 
 template <class T>
-void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
+MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
   spatial_modulus(u, c, T(Real<T>(1)));
 }
 

@@ -15,7 +15,7 @@ namespace myogrowth {
 /// The rotation R of F = V R comes from Newton's method for the polar decomposition (Higham 1986),
 /// X <- (X + X^-T)/2 with scaling: equal stretches are no trouble to it, and it carries derivatives.
 template <class T>
-bool left_stretch(const T F[9], T V[9]) {
+MYOGROWTH_FUNCTION bool left_stretch(const T F[9], T V[9]) {
   using R = Real<T>;
   const R one(1);
   T X[9], inv[9];

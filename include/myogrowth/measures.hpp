@@ -20,7 +20,7 @@ namespace myogrowth {
 
 /// Inverse[9] of F[9], by cofactors.
 template <class T>
-void inverse(const T F[9], T inv[9]) {
+MYOGROWTH_FUNCTION void inverse(const T F[9], T inv[9]) {
   T cofactor[9];
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
@@ -36,7 +36,7 @@ void inverse(const T F[9], T inv[9]) {
 
 /// y[9] = A symmetric B^T for A, B[9] and symmetric s[6].
 template <class T>
-void push(const T A[9], const T s[6], const T B[9], T y[9]) {
+MYOGROWTH_FUNCTION void push(const T A[9], const T s[6], const T B[9], T y[9]) {
   for (int i = 0; i < 3; ++i) {
     T row[3];
     for (int l = 0; l < 3; ++l) {
@@ -49,7 +49,7 @@ void push(const T A[9], const T s[6], const T B[9], T y[9]) {
 
 /// y[6] = A s A^T for A[9] and symmetric s[6].
 template <class T>
-void push_symmetric(const T A[9], const T s[6], T y[6]) {
+MYOGROWTH_FUNCTION void push_symmetric(const T A[9], const T s[6], T y[6]) {
   T full[9];
   push(A, s, A, full);
   for (int a = 0; a < 6; ++a) y[a] = full[symmetric_row(a) + 3 * symmetric_column(a)];
@@ -57,7 +57,7 @@ void push_symmetric(const T A[9], const T s[6], T y[6]) {
 
 /// y_abcd = A_ai A_bj A_ck A_dl x_ijkl for A[9] and x[36] with both minor symmetries.
 template <class T>
-void push_modulus(const T A[9], const T x[36], T y[36]) {
+MYOGROWTH_FUNCTION void push_modulus(const T A[9], const T x[36], T y[36]) {
   T half[36];  // rows pushed
   for (int col = 0; col < 6; ++col) push_symmetric(A, x + 6 * col, half + 6 * col);
   for (int row = 0; row < 6; ++row) {
@@ -70,7 +70,7 @@ void push_modulus(const T A[9], const T x[36], T y[36]) {
 
 /// t[36] = sign * (I∘tau + tau∘I), added to c[36]: what the Jaumann modulus is more than Truesdell's.
 template <class T>
-void add_rate_terms(const T tau[6], int sign, const T c[36], T t[36]) {
+MYOGROWTH_FUNCTION void add_rate_terms(const T tau[6], int sign, const T c[36], T t[36]) {
   using V = Real<T>;
   const V half = V(sign) / V(2);
   for (int col = 0; col < 6; ++col) {
@@ -89,45 +89,45 @@ void add_rate_terms(const T tau[6], int sign, const T c[36], T t[36]) {
 
 /// Truesdell modulus C[36] (of the Lie derivative of tau) from the Jaumann modulus c[36].
 template <class T>
-void truesdell_from_jaumann(const T tau[6], const T c[36], T C[36]) {
+MYOGROWTH_FUNCTION void truesdell_from_jaumann(const T tau[6], const T c[36], T C[36]) {
   add_rate_terms(tau, -1, c, C);
 }
 
 /// Jaumann modulus c[36] from the Truesdell modulus C[36].
 template <class T>
-void jaumann_from_truesdell(const T tau[6], const T C[36], T c[36]) {
+MYOGROWTH_FUNCTION void jaumann_from_truesdell(const T tau[6], const T C[36], T c[36]) {
   add_rate_terms(tau, +1, C, c);
 }
 
 /// Cauchy stress sigma[6] = tau/J.
 template <class T>
-void cauchy_from_kirchhoff(const T& J, const T tau[6], T sigma[6]) {
+MYOGROWTH_FUNCTION void cauchy_from_kirchhoff(const T& J, const T tau[6], T sigma[6]) {
   const T per_J = Real<T>(1) / J;
   for (int i = 0; i < 6; ++i) sigma[i] = tau[i] * per_J;
 }
 
 /// Abaqus's DDSDDE[36] = c/J.
 template <class T>
-void ddsdde_from_jaumann(const T& J, const T c[36], T ddsdde[36]) {
+MYOGROWTH_FUNCTION void ddsdde_from_jaumann(const T& J, const T c[36], T ddsdde[36]) {
   const T per_J = Real<T>(1) / J;
   for (int i = 0; i < 36; ++i) ddsdde[i] = c[i] * per_J;
 }
 
 /// tau[6] = J sigma.
 template <class T>
-void kirchhoff_from_cauchy(const T& J, const T sigma[6], T tau[6]) {
+MYOGROWTH_FUNCTION void kirchhoff_from_cauchy(const T& J, const T sigma[6], T tau[6]) {
   for (int i = 0; i < 6; ++i) tau[i] = J * sigma[i];
 }
 
 /// c[36] = J DDSDDE.
 template <class T>
-void jaumann_from_ddsdde(const T& J, const T ddsdde[36], T c[36]) {
+MYOGROWTH_FUNCTION void jaumann_from_ddsdde(const T& J, const T ddsdde[36], T c[36]) {
   for (int i = 0; i < 36; ++i) c[i] = J * ddsdde[i];
 }
 
 /// First Piola-Kirchhoff stress P[9] = tau F^-T.
 template <class T>
-void first_piola_from_kirchhoff(const T F[9], const T tau[6], T P[9]) {
+MYOGROWTH_FUNCTION void first_piola_from_kirchhoff(const T F[9], const T tau[6], T P[9]) {
   const T I[9] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
   T inv[9];
   inverse(F, inv);
@@ -136,7 +136,7 @@ void first_piola_from_kirchhoff(const T F[9], const T tau[6], T P[9]) {
 
 /// dP_dF[81], where entry (i + 3J) + 9 (k + 3L) is dP_iJ/dF_kL.
 template <class T>
-void dP_dF_from_jaumann(const T F[9], const T tau[6], const T c[36], T dP_dF[81]) {
+MYOGROWTH_FUNCTION void dP_dF_from_jaumann(const T F[9], const T tau[6], const T c[36], T dP_dF[81]) {
   const T I[9] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
   T inv[9], P[9], C[36];
   inverse(F, inv);
@@ -163,7 +163,7 @@ void dP_dF_from_jaumann(const T F[9], const T tau[6], const T c[36], T dP_dF[81]
 
 /// tau[6] = P F^T, from a P[9] for which that is symmetric.
 template <class T>
-void kirchhoff_from_first_piola(const T F[9], const T P[9], T tau[6]) {
+MYOGROWTH_FUNCTION void kirchhoff_from_first_piola(const T F[9], const T P[9], T tau[6]) {
   for (int a = 0; a < 6; ++a) {
     const int i = symmetric_row(a), j = symmetric_column(a);
     tau[a] = P[i] * F[j] + P[i + 3] * F[j + 3] + P[i + 6] * F[j + 6];
@@ -172,7 +172,7 @@ void kirchhoff_from_first_piola(const T F[9], const T P[9], T tau[6]) {
 
 /// c[36] from dP_dF[81] and tau[6]: c_ijkm = sym_km [F_jJ dP_iJ/dF_kL F_mL + tau_im delta_jk].
 template <class T>
-void jaumann_from_dP_dF(const T F[9], const T tau[6], const T dP_dF[81], T c[36]) {
+MYOGROWTH_FUNCTION void jaumann_from_dP_dF(const T F[9], const T tau[6], const T dP_dF[81], T c[36]) {
   const auto spatial = [&](int i, int j, int k, int m) {
     T sum = j == k ? tau[symmetric_index(i, m)] : T(0);
     for (int J = 0; J < 3; ++J) {
@@ -221,7 +221,7 @@ void dsigma_dF_from_dtau_dF(const T F[9], const T& J, const T tau[6], const T dt
 
 /// Second Piola-Kirchhoff stress S[6] = F^-1 tau F^-T.
 template <class T>
-void second_piola_from_kirchhoff(const T F[9], const T tau[6], T S[6]) {
+MYOGROWTH_FUNCTION void second_piola_from_kirchhoff(const T F[9], const T tau[6], T S[6]) {
   T inv[9];
   inverse(F, inv);
   push_symmetric(inv, tau, S);
@@ -229,7 +229,7 @@ void second_piola_from_kirchhoff(const T F[9], const T tau[6], T S[6]) {
 
 /// dS_dE[36] (columns: engineering shear 2E).
 template <class T>
-void dS_dE_from_jaumann(const T F[9], const T tau[6], const T c[36], T dS_dE[36]) {
+MYOGROWTH_FUNCTION void dS_dE_from_jaumann(const T F[9], const T tau[6], const T c[36], T dS_dE[36]) {
   T inv[9], C[36];
   inverse(F, inv);
   truesdell_from_jaumann(tau, c, C);
@@ -238,13 +238,13 @@ void dS_dE_from_jaumann(const T F[9], const T tau[6], const T c[36], T dS_dE[36]
 
 /// tau[6] = F S F^T.
 template <class T>
-void kirchhoff_from_second_piola(const T F[9], const T S[6], T tau[6]) {
+MYOGROWTH_FUNCTION void kirchhoff_from_second_piola(const T F[9], const T S[6], T tau[6]) {
   push_symmetric(F, S, tau);
 }
 
 /// c[36] from dS_dE[36] and tau[6].
 template <class T>
-void jaumann_from_dS_dE(const T F[9], const T tau[6], const T dS_dE[36], T c[36]) {
+MYOGROWTH_FUNCTION void jaumann_from_dS_dE(const T F[9], const T tau[6], const T dS_dE[36], T c[36]) {
   T C[36];
   push_modulus(F, dS_dE, C);
   jaumann_from_truesdell(tau, C, c);

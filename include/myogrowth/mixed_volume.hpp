@@ -27,9 +27,9 @@ struct MixedVolume {
 /// update_point for a mixed element with the volume ratio J_hat > 0; arguments and status as there.
 /// out: the law at F^ (its J is J^), but for tau = J sigma. c[36]: J DDSDDE.
 template <class T, class P>
-Status update_mixed(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n,
-                    const T& lambda_n, const P& dt, const T& J_hat, PointUpdate<T>& out, T c[36],
-                    MixedVolume<T>& volume) {
+MYOGROWTH_FUNCTION Status update_mixed(const FibreGrowth<P>& material, const T F[9], const T n0[3],
+                                       const T& G_n, const T& lambda_n, const P& dt, const T& J_hat,
+                                       PointUpdate<T>& out, T c[36], MixedVolume<T>& volume) {
   using V = Real<T>;
   const T J = F[0] * (F[4] * F[8] - F[7] * F[5]) - F[3] * (F[1] * F[8] - F[7] * F[2]) +
               F[6] * (F[1] * F[5] - F[4] * F[2]);
@@ -59,7 +59,8 @@ Status update_mixed(const FibreGrowth<P>& material, const T F[9], const T n0[3],
 /// dK/dJ^ [stress] of the same step, by central difference, good to 1e-9: it takes part in the host's Newton
 /// steps alone. NaN where K is not defined on both sides.
 template <class V>
-V mixed_dK_dJ(const FibreGrowth<V>& material, const V F[9], const V n0[3], V G_n, V lambda_n, V dt, V J_hat) {
+MYOGROWTH_FUNCTION V mixed_dK_dJ(const FibreGrowth<V>& material, const V F[9], const V n0[3], V G_n,
+                                 V lambda_n, V dt, V J_hat) {
   V c[36], difference(0);
   PointUpdate<V> u;
   const V width = J_hat / V(1 << 17);

@@ -14,6 +14,14 @@
 #include <type_traits>
 #include <utility>
 
+/// Every function of the law that is not constexpr: where a compiler for graphics processors reads it, it is
+/// code for host and device (docs/gpu.md; nvcc needs --expt-relaxed-constexpr as well).
+#if defined(__CUDACC__) || defined(__HIPCC__)
+#define MYOGROWTH_FUNCTION __host__ __device__
+#else
+#define MYOGROWTH_FUNCTION
+#endif
+
 namespace myogrowth {
 
 using std::exp;
@@ -48,13 +56,13 @@ std::complex<R> log1p(const std::complex<R>& z) {
 
 /// True for ordinary numbers, false for NaN and infinity.
 template <class T>
-bool is_finite(const T& x) {
+MYOGROWTH_FUNCTION bool is_finite(const T& x) {
   return value(x) - value(x) == 0;
 }
 
 /// Whether n numbers all are.
 template <class T>
-bool are_finite(const T* x, int n) {
+MYOGROWTH_FUNCTION bool are_finite(const T* x, int n) {
   Real<T> sum(0);
   for (int i = 0; i < n; ++i) sum += value(x[i]);
   if (is_finite(sum)) return true;  // else one is not, or the sum alone overflowed
@@ -66,7 +74,7 @@ bool are_finite(const T* x, int n) {
 
 /// Whether a term with this factor can be left out.
 template <class T>
-bool is_zero(const T& x) {
+MYOGROWTH_FUNCTION bool is_zero(const T& x) {
   return value(x) == 0;
 }
 
@@ -75,13 +83,13 @@ bool is_zero(const T& x) {
 template <class P>
 class Exponent {
  public:
-  explicit Exponent(const P& exponent) : exponent_(exponent), whole_(-1), half_(false) {
+  MYOGROWTH_FUNCTION explicit Exponent(const P& exponent) : exponent_(exponent), whole_(-1), half_(false) {
     look(std::is_floating_point<P>());
   }
 
   /// x^exponent for x >= 0.
   template <class T>
-  T operator()(const T& x) const {
+  MYOGROWTH_FUNCTION T operator()(const T& x) const {
     if (whole_ < 0) return pow(x, exponent_);
     if (whole_ == 0) return half_ ? T(sqrt(x)) : T(Real<T>(1));
     T product = x;
@@ -96,14 +104,14 @@ class Exponent {
   }
 
  private:
-  void look(std::true_type) {
+  MYOGROWTH_FUNCTION void look(std::true_type) {
     if (!(exponent_ >= 0 && exponent_ < 9)) return;
     const int whole = static_cast<int>(exponent_);
     const P rest = exponent_ - static_cast<P>(whole);
     half_ = rest == P(0.5);
     if (rest == 0 || half_) whole_ = whole;
   }
-  void look(std::false_type) {}
+  MYOGROWTH_FUNCTION void look(std::false_type) {}
 
   P exponent_;
   int whole_;  // -1: by pow
@@ -112,7 +120,7 @@ class Exponent {
 
 /// x^exponent for x >= 0.
 template <class T, class P>
-T power(const T& x, const P& exponent) {
+MYOGROWTH_FUNCTION T power(const T& x, const P& exponent) {
   return Exponent<P>(exponent)(x);
 }
 

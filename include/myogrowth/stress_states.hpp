@@ -18,7 +18,7 @@ namespace detail {
 /// better: the stress has a kink where growth sets in, and is almost flat while growth takes up all of the
 /// stretch.
 template <class T, class Evaluate>
-Status free_stretch(T& x, const Evaluate& evaluate) {
+MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
   using V = Real<T>;
   // Quadratic convergence: after a step of this size rounding is left, and derivatives lag one step behind.
   const V small = sqrt(std::numeric_limits<V>::epsilon());
@@ -53,7 +53,7 @@ Status free_stretch(T& x, const Evaluate& evaluate) {
 
 /// Entry row, column of the spatial modulus.
 template <class T>
-T modulus_entry(const T c[36], int row, int column) {
+MYOGROWTH_FUNCTION T modulus_entry(const T c[36], int row, int column) {
   return c[row + 6 * column];
 }
 
@@ -67,8 +67,9 @@ T modulus_entry(const T c[36], int row, int column) {
 /// that F. c[9]: condensed modulus of the Jaumann rate of tau, rows and columns 11 22 12, column-major,
 /// engineering shear.
 template <class T, class P>
-Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3], const T& G_n,
-                    const T& lambda_n, const P& dt, T& thickness, PointUpdate<T>& u, T c[9]) {
+MYOGROWTH_FUNCTION Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3],
+                                       const T& G_n, const T& lambda_n, const P& dt, T& thickness,
+                                       PointUpdate<T>& u, T c[9]) {
   using V = Real<T>;
   const T zero(0);
   T full[36];
@@ -106,8 +107,9 @@ Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3],
 /// lateral) with the fibre along 1, so that the axial force per reference area is u.tau[0]/stretch. slope:
 /// dtau_11/dln(stretch) at free sides, growth included [stress].
 template <class T, class P>
-Status uniaxial_stress(const FibreGrowth<P>& material, const T& stretch, const T& G_n, const T& lambda_n,
-                       const P& dt, T& lateral, PointUpdate<T>& u, T& slope) {
+MYOGROWTH_FUNCTION Status uniaxial_stress(const FibreGrowth<P>& material, const T& stretch, const T& G_n,
+                                          const T& lambda_n, const P& dt, T& lateral, PointUpdate<T>& u,
+                                          T& slope) {
   using V = Real<T>;
   const T zero(0), n0[3] = {T(V(1)), zero, zero};
   T c[36];
