@@ -193,7 +193,7 @@ MYOGROWTH_FUNCTION void jaumann_from_dP_dF(const T F[9], const T tau[6], const T
 
 /// dtau_dF[54], where entry a + 6 (k + 3L) is dtau_a/dF_kL, by the product rule on tau = P F^T.
 template <class T>
-void dtau_dF_from_dP_dF(const T F[9], const T P[9], const T dP_dF[81], T dtau_dF[54]) {
+MYOGROWTH_FUNCTION void dtau_dF_from_dP_dF(const T F[9], const T P[9], const T dP_dF[81], T dtau_dF[54]) {
   for (int column = 0; column < 9; ++column) {
     const int k = column % 3, L = column / 3;
     for (int a = 0; a < 6; ++a) {
@@ -207,7 +207,8 @@ void dtau_dF_from_dP_dF(const T F[9], const T P[9], const T dP_dF[81], T dtau_dF
 
 /// dsigma_dF[54] = (dtau_dF - tau⊗F^-T)/J, in the layout of dtau_dF[54].
 template <class T>
-void dsigma_dF_from_dtau_dF(const T F[9], const T& J, const T tau[6], const T dtau_dF[54], T dsigma_dF[54]) {
+MYOGROWTH_FUNCTION void dsigma_dF_from_dtau_dF(const T F[9], const T& J, const T tau[6], const T dtau_dF[54],
+                                               T dsigma_dF[54]) {
   T inv[9];
   inverse(F, inv);
   for (int column = 0; column < 9; ++column) {

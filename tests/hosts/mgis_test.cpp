@@ -288,7 +288,7 @@ TEST(Mgis, ThreeDimensionsAreTheCppFace) {
       EXPECT_EQ(p.variables1[4], step.point.Je);
       EXPECT_EQ(p.energy, step.point.psi);
       EXPECT_EQ(p.rdt, 1);
-      EXPECT_EQ(p.K[3] == untouched, p.kind == none);
+      EXPECT_EQ(p.K[3] == untouched, static_cast<int>(p.kind) == none);
     }
   }
   EXPECT_LT(worst, 1e-15);
