@@ -23,6 +23,8 @@ using std::log1p;
 using std::pow;
 using std::sqrt;
 
+/// The real number that decides: a number itself, the real part of a complex one.
+/// @{
 constexpr float value(float x) { return x; }
 constexpr double value(double x) { return x; }
 constexpr long double value(long double x) { return x; }
@@ -30,6 +32,7 @@ template <class R>
 constexpr R value(const std::complex<R>& z) {
   return z.real();
 }
+/// @}
 
 /// The real type under a scalar: double for double, std::complex<double> and a dual number over double.
 template <class T>
@@ -75,6 +78,7 @@ bool is_zero(const T& x) {
 template <class P>
 class Exponent {
  public:
+  /// Looks at it.
   explicit Exponent(const P& exponent) : exponent_(exponent), whole_(-1), half_(false) {
     look(std::is_floating_point<P>());
   }
