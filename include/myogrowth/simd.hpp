@@ -74,18 +74,18 @@ constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(V));
 /// True or false in every lane: all bits of an integer of V's size.
 template <class V, int N>
 struct Mask {
-  /// Lanes of a register, and registers.
-  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>, parts = N / width;
-  typename Register<V, width>::Integers v[parts];  ///< the registers
+  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>;  ///< lanes of a register
+  static constexpr int parts = N / width;                                  ///< registers
+  typename Register<V, width>::Integers v[parts];                          ///< the registers
 };
 
 /// N lanes of V, in one register or in several side by side, whose operations hide each other's latency.
 template <class V, int N>
 struct Pack {
-  /// Lanes of a register, and registers.
-  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>, parts = N / width;
-  using Lanes = typename Register<V, width>::Lanes;  ///< a register
-  Lanes v[parts];                                    ///< the registers
+  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>;  ///< lanes of a register
+  static constexpr int parts = N / width;                                  ///< registers
+  using Lanes = typename Register<V, width>::Lanes;                        ///< a register
+  Lanes v[parts];                                                          ///< the registers
 
   Pack() = default;
   /// The same in every lane.

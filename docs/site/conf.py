@@ -1,0 +1,39 @@
+"""Sphinx's settings. build_site.py lays out the pages and calls it."""
+import os
+
+project = "myogrowth"
+author = "the myogrowth authors"
+version = release = os.environ["MYOGROWTH_VERSION"]
+root_doc = "index"
+extensions = ["myst_parser", "breathe", "sphinx.ext.mathjax", "sphinx.ext.autodoc"]
+html_theme = "furo"
+html_title = f"myogrowth {release}"
+html_static_path = [os.environ["MYOGROWTH_STATIC"]]
+html_css_files = ["site.css"]
+html_show_sphinx = False
+html_show_copyright = False
+html_copy_source = False
+html_show_sourcelink = False
+pygments_style = "friendly"
+
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 4
+myst_dmath_double_inline = True
+
+# MathJax 2.7, a copy in the site itself: formulas are drawn as SVG, without a net.
+mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
+mathjax2_config = {
+    "showMathMenu": False,
+    "messageStyle": "none",
+    "SVG": {"font": "TeX", "linebreaks": {"automatic": True}},
+    "tex2jax": {"processClass": "math", "ignoreClass": ".*", "inlineMath": [["\\(", "\\)"]],
+                "displayMath": [["\\[", "\\]"]]},
+}
+
+breathe_projects = {"myogrowth": os.environ["MYOGROWTH_DOXYGEN_XML"]}
+breathe_default_project = "myogrowth"
+breathe_show_include = False
+# Attributes that the C++ domain should not take for names.
+cpp_id_attributes = ["MYOGROWTH_FLAT", "MYOGROWTH_APART", "MYOGROWTH_DEVICE"]
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
