@@ -25,9 +25,6 @@ What each header is for: [manual](../docs/manual.md#the-c-headers). Names are in
 
 """
 
-# All but the namespace itself, which many headers have.
-SECTIONS = ":sections: briefdescription detaileddescription innerclass public* define enum func typedef var user-defined\n"
-
 
 def listed():
     """Captions and the pages below them that are there."""
@@ -94,10 +91,10 @@ def reference(target, with_python):
     toc = "```{toctree}\n:hidden:\n" + "".join(name[:-4] + "\n" for name in headers) + "```\n"
     (target / "api/cpp.md").write_text(CXX_INTRODUCTION + links + "\n" + toc)
     for name in headers:
-        (target / "api" / f"{name[:-4]}.md").write_text(f"# {name}\n\n```{{doxygenfile}} {name}\n{SECTIONS}```\n")
+        (target / "api" / f"{name[:-4]}.md").write_text(f"# {name}\n\n```{{doxygenfile}} {name}\n```\n")
     (target / "api/c.md").write_text("# C API\n\n`#include <myogrowth.h>`, `build/abi/libmyogrowth.so`; tables and "
                                      "examples: [manual](../docs/manual.md#the-c-api).\n\n"
-                                     "```{doxygenfile} myogrowth.h\n" + SECTIONS + "```\n")
+                                     "```{doxygenfile} myogrowth.h\n```\n")
     if with_python:
         (target / "api/python.md").write_text("# Python module\n\n```{eval-rst}\n.. automodule:: myogrowth\n"
                                               "   :members:\n```\n")

@@ -1,4 +1,5 @@
 """Sphinx's settings. build_site.py lays out the pages and calls it."""
+import logging
 import os
 
 project = "myogrowth"
@@ -36,4 +37,9 @@ breathe_show_include = False
 # Attributes that the C++ domain should not take for names.
 cpp_id_attributes = ["MYOGROWTH_FLAT", "MYOGROWTH_APART", "MYOGROWTH_DEVICE"]
 autodoc_member_order = "bysource"
-autodoc_typehints = "description"
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "Floats", "Measure")}
+autodoc_preserve_defaults = True
+
+# Every header opens the namespace anew, which Sphinx takes for a second declaration.
+logging.getLogger("sphinx.sphinx.domains.cpp").addFilter(
+    lambda record: not ("Duplicate" in record.getMessage() and ":: myogrowth'" in record.getMessage()))

@@ -1,4 +1,4 @@
-"""Stretch-driven skeletal-muscle growth over NumPy arrays: the law of myogrowth, one step or a whole history.
+"""Stretch-driven skeletal-muscle growth over NumPy arrays: the law of myogrowth, one step or a whole history::
 
     import numpy as np, myogrowth
 
@@ -65,10 +65,10 @@ class MyogrowthError(ValueError):
 class Parameter(NamedTuple):
     """One parameter of the law, as the library's own table has it."""
 
-    name: str
+    name: str  #: as in Parameters
     unit: str  #: "stress", "time" or "-"
-    meaning: str
-    allowed: str
+    meaning: str  #: in words
+    allowed: str  #: in words
     default: Any  #: the paper's Table 1 (kPa, days); extensions are off
 
 
@@ -212,10 +212,13 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
 
     dt <= 0 is an elastic step. state: where the points come from, by default unstretched, G = 1, fibre along x.
 
-    measure          stress (..., 3, 3)      tangent (..., 3, 3, 3, 3)
-    "cauchy"         sigma[i, j]             c[i, j, k, l]: (1/J) of J sigma's Jaumann rate, c:D; Abaqus's DDSDDE
-    "first_piola"    P[i, J]                 dP_dF[i, J, k, L] = dP_iJ/dF_kL
-    "second_piola"   S[I, J]                 dS_dE[I, J, K, L] = dS_IJ/dE_KL
+    ================  ==================  ============================================================================
+    measure           stress (..., 3, 3)  tangent (..., 3, 3, 3, 3)
+    ================  ==================  ============================================================================
+    "cauchy"          sigma[i, j]         c[i, j, k, l]: c:D is the Jaumann rate of J sigma, over J; Abaqus's DDSDDE
+    "first_piola"     P[i, J]             dP_dF[i, J, k, L] = dP_iJ/dF_kL
+    "second_piola"    S[I, J]             dS_dE[I, J, K, L] = dS_IJ/dE_KL
+    ================  ==================  ============================================================================
 
     The tangent is that of this discrete step, growth included; where the muscle grows it is unsymmetric.
 
