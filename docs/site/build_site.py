@@ -45,6 +45,7 @@ def place_of(page):
 def lay_out(source, target, pages):
     """Copies a page and the pictures and files it links to; a link to a file of the repository becomes a download."""
     text = (ROOT / source).read_text(encoding="utf-8")
+    text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", text, flags=re.S | re.M)  # a code host's way of saying it
     here = pathlib.PurePosixPath(source).parent
 
     def relinked(match):

@@ -19,14 +19,13 @@ pygments_style = "friendly"
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
-myst_dmath_double_inline = True
 
 # MathJax 2.7, a copy in the site itself: formulas are drawn as SVG, without a net.
 mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
 mathjax2_config = {
     "showMathMenu": False,
     "messageStyle": "none",
-    "SVG": {"font": "TeX", "linebreaks": {"automatic": True}},
+    "SVG": {"font": "TeX", "scale": 90},
     "tex2jax": {"processClass": "math", "ignoreClass": ".*", "inlineMath": [["\\(", "\\)"]],
                 "displayMath": [["\\[", "\\]"]]},
 }
