@@ -15,6 +15,7 @@ import sys
 SITE = pathlib.Path(__file__).resolve().parent
 ROOT = SITE.parents[1]
 MATHJAX = pathlib.Path("/usr/share/javascript/mathjax")
+NORMALIZE = pathlib.Path("/usr/share/javascript/normalize.css/normalize.css")
 MATHJAX_PARTS = ("MathJax.js", "config/TeX-AMS_SVG.js", "extensions", "jax/element", "jax/input/TeX",
                  "jax/output/SVG/autoload", "jax/output/SVG/config.js", "jax/output/SVG/jax.js",
                  "jax/output/SVG/fonts/TeX", "jax/output/PreviewHTML")
@@ -101,6 +102,16 @@ def reference(target, with_python):
                                               "   :members:\n```\n")
 
 
+def finish_theme(static):
+    """Debian's furo counts on a web server for a style sheet, and on modules, which browsers do not load from files."""
+    shutil.copy(NORMALIZE, static / "styles")
+    style = static / "styles/furo.css"
+    style.write_text(style.read_text().replace("url(/javascript/normalize.css/normalize.css)", "url(normalize.css)"))
+    scripts = static / "scripts"
+    whole = (scripts / "gumshoe-patched.js").read_text() + (scripts / "furo.js").read_text()
+    (scripts / "furo.js").write_text(whole.replace('import Gumshoe from "./gumshoe-patched.js";', ""))
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     p.add_argument("out", type=pathlib.Path)
@@ -139,6 +150,7 @@ def main():
         environment["PYTHONPATH"] = str(a.python.resolve())
     subprocess.run([sys.executable, "-m", "sphinx", "-b", "html", "-q", "-W", "--keep-going", "-E", "-c", SITE,
                     "-d", work / "doctrees", stage, html], check=True, env=environment)
+    finish_theme(html / "_static")
     print(html / "index.html")
 
 
