@@ -2,6 +2,7 @@
 import csv
 import os
 import pathlib
+import re
 import subprocess
 import threading
 
@@ -245,3 +246,13 @@ def test_others_may_run_while_the_law_works():
     assert counted > 1 and len(set(history)) == 1
     np.testing.assert_array_equal(result[0].stress[:100], update(MUSCLE, F[:100], 0.1, State(
         G=state.G[:100], n0=state.n0[:100])).stress)
+
+
+def test_the_page_that_says_how_to_start(capsys):
+    """The code of docs/getting-started.md runs and prints what the paper's law gives with gamma = 1.5."""
+    page = (pathlib.Path(__file__).parents[2] / "docs/getting-started.md").read_text(encoding="utf-8")
+    code, = re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)
+    exec(code, {})
+    first, *table = capsys.readouterr().out.splitlines()
+    assert [float(x) for x in first.split()] == pytest.approx([1.0606199, 1.0887300], abs=1e-6)
+    assert len(table) == len(parameters()) and table[0].startswith("c1 stress > -2/3 c2")
