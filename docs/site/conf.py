@@ -33,8 +33,6 @@ mathjax2_config = {
 breathe_projects = {"myogrowth": os.environ["MYOGROWTH_DOXYGEN_XML"]}
 breathe_default_project = "myogrowth"
 breathe_show_include = False
-# Attributes that the C++ domain should not take for names.
-cpp_id_attributes = ["MYOGROWTH_FLAT", "MYOGROWTH_APART", "MYOGROWTH_DEVICE"]
 autodoc_member_order = "bysource"
 autodoc_type_aliases = {name: name for name in ("ArrayLike", "Floats", "Measure")}
 autodoc_preserve_defaults = True

@@ -1,11 +1,12 @@
-"""The checks of the site find what they are for. test_site.py ROOT"""
+"""The checks of the site find what they are for; what pages quote is there. test_site.py ROOT DRIVER"""
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(sys.argv.pop(1))
+ROOT, DRIVER = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(2))
 
 
 class Links(unittest.TestCase):
@@ -51,6 +52,33 @@ class Doxygen(unittest.TestCase):
     def test_detail_is_not_for_users(self):
         run = self.run_doxygen("/// @file\n/// One.\nnamespace myogrowth {\nnamespace detail {\nint f();\n}\n}\n")
         self.assertEqual((run.returncode, run.stderr), (0, ""))
+
+
+class Quoted(unittest.TestCase):
+    def test_the_law_of_contributing_is_the_example(self):
+        page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+        example = (ROOT / "examples/cpp/cross_fibre_growth.cpp").read_text(encoding="utf-8")
+        law, = re.findall(r"^```cpp\n(struct .*?^};)$", page, re.M | re.S)
+        lines = [line.split("//")[0].strip().rstrip(";") for line in law.splitlines()]
+        self.assertGreater(len([line for line in lines if line]), 8)
+        for line in lines:
+            self.assertIn(line, example)
+
+    def test_the_drivers_help_has_every_option(self):
+        source = (ROOT / "fortran_driver/driver.f90").read_text(encoding="utf-8")
+        options = re.findall(r"--[a-z]+", re.search(r"options = '(.*)'", source).group(1))
+        self.assertGreater(len(options), 4)
+        help_text = subprocess.run([DRIVER, "--help"], capture_output=True, text=True, check=True).stdout
+        for option in options:
+            self.assertRegex(help_text, rf"(?m)^  {option}\b")
+
+    def test_every_job_of_run_is_in_its_help(self):
+        source = (ROOT / "run").read_text(encoding="utf-8")
+        jobs = [job for line in re.findall(r"^  ([a-z |]+)\)$", source, re.M) for job in line.split(" | ")]
+        self.assertGreater(len(jobs), 10)
+        help_text = subprocess.run([ROOT / "run", "help"], capture_output=True, text=True, check=True).stdout
+        for job in jobs:
+            self.assertRegex(help_text, rf"(?m)^  {job}\b")
 
 
 unittest.main()
