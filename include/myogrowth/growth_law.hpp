@@ -2,12 +2,14 @@
 /// Growth laws of your own: from two formulas, the growth tensor and the rate, the step and its exact
 /// tangent.
 ///
-///     struct Isotropic {                                        // one growth variable g
-///       double limit() const { return 1.5; }                    // where growth ends
+///     struct Isotropic {                     // one growth variable, g
+///       double limit() const { return 1.5; }  // where growth ends
 ///       template <class T>
-///       Mat3<T> growth_tensor(const T& g, const Vec3<T>&) const { return pow(g, 1. / 3) *
-///       Mat3<T>::Identity(); } template <class T> T rate(const T& g, const Mat3<T>& Fe, const Vec3<T>& n0)
-///       const;  // dg/dt [1/time]
+///       Mat3<T> growth_tensor(const T& g, const Vec3<T>& n0) const {
+///         return pow(g, 1. / 3) * Mat3<T>::Identity();
+///       }
+///       template <class T>
+///       T rate(const T& g, const Mat3<T>& Fe, const Vec3<T>& n0) const;  // dg/dt [1/time]
 ///     };
 ///     auto step = update(Isotropic(), NeoHookean<>(), F, n0, g_n, dt);
 ///     step.g, step.P, step.dP_dF;
