@@ -1,6 +1,5 @@
 /// @file
-/// Growth laws of your own: from two formulas, the growth tensor and the rate, the step and its exact
-/// tangent.
+/// Growth laws of your own: two formulas, growth tensor and rate, give the step and its exact tangent.
 ///
 ///     struct Isotropic {                     // one growth variable, g
 ///       double limit() const { return 1.5; }  // where growth ends
