@@ -52,30 +52,37 @@ const char* myogrowth_status_text(int status);
 /// Numbers in the stress of a measure: 6, 9 or 6; 0 for an unknown one. The tangent has the square of it.
 int myogrowth_stress_size(int measure);
 
-/// The version of the library, three numbers and "major.minor.patch".
+/// The version of the library, three numbers.
 void myogrowth_version(int* major, int* minor, int* patch);
+/// The same as "major.minor.patch".
 const char* myogrowth_version_text(void);
 
-/// Entries of props that mean something, and how many of them, the first ones, have no default.
+/// Entries of props that mean something.
 int myogrowth_n_props(void);
+/// How many of them, the first ones, have no default.
 int myogrowth_n_props_required(void);
-/// Symbol, unit ("stress", "time", "-"), meaning and allowed range, in words, of entry i; NULL if there is
-/// none.
+/// Symbol of entry i; NULL if there is none.
 const char* myogrowth_prop_symbol(int i);
+/// Unit of entry i, "stress", "time" or "-"; NULL if there is none.
 const char* myogrowth_prop_unit(int i);
+/// Meaning of entry i, in words; NULL if there is none.
 const char* myogrowth_prop_meaning(int i);
+/// Allowed range of entry i, in words; NULL if there is none.
 const char* myogrowth_prop_allowed(int i);
 /// What entry i is taken as when props ends before it; NaN if it is required or there is none.
 double myogrowth_prop_default(int i);
 /// Index of the entry of that symbol; -1 if there is none.
 int myogrowth_prop_index(const char* symbol);
 
-/// Entries of the state, and the least that must be kept: G, the first.
+/// Entries of the state.
 int myogrowth_n_state(void);
+/// How many of them, the first ones, must be kept at least: 1, G.
 int myogrowth_n_state_required(void);
-/// Symbol, unit and meaning of entry i; NULL if there is none.
+/// Symbol of entry i; NULL if there is none.
 const char* myogrowth_state_symbol(int i);
+/// Unit of entry i: "-"; NULL if there is none.
 const char* myogrowth_state_unit(int i);
+/// Meaning of entry i, in words; NULL if there is none.
 const char* myogrowth_state_meaning(int i);
 /// Entry i of a point at rest: 1 for G and the ratios, 0 for the fibre, which means "that of props"; NaN if
 /// there is none. A state of zeros does as well.

@@ -46,7 +46,8 @@ struct CompactTangent {
   T f[3];    ///< deformed fibre F n0 [-]
   T weight;  ///< dG/dlambda/lambda [-]
   T shift;   ///< c1 ln(J_e) - c2 [stress]
-  T G, J;    ///< sarcomere number and volume ratio [-]
+  T G;       ///< sarcomere number [-]
+  T J;       ///< volume ratio [-]
 
   /// DDSDDE[36] from the numbers and the Cauchy stress[6].
   template <class P>
@@ -76,29 +77,34 @@ namespace batch {
 /// One array per component, n (or more) apart.
 template <class V>
 struct Soa {
-  V* data;
-  std::ptrdiff_t n;
+  V* data;           ///< component 0 of point 0
+  std::ptrdiff_t n;  ///< how far components are apart
+  /// @cond
   struct Place {
     V* data;
     std::ptrdiff_t n;
     MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c * n; }
   };
   MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i, n}; }
+  /// @endcond
 };
 /// One point after the other.
 template <class V, int components>
 struct Aos {
-  V* data;
+  V* data;  ///< component 0 of point 0
+  /// @cond
   struct Place {
     V* data;
     MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c; }
   };
   MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i * components}; }
+  /// @endcond
 };
 /// Blocks of `block` points, a multiple of the lanes; in a block one component after the other. The fastest.
 template <class V, int components, int block = 16>
 struct Aosoa {
-  V* data;
+  V* data;  ///< component 0 of point 0
+  /// @cond
   struct Place {
     V* data;
     MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c * block; }
@@ -106,22 +112,29 @@ struct Aosoa {
   MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const {
     return {data + i / block * (block * components) + i % block};
   }
+  /// @endcond
 };
 /// The same for all points.
 template <class V>
 struct Shared {
-  V* data;
+  V* data;  ///< component 0
+  /// @cond
   struct Place {
     V* data;
     MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c; }
   };
   MYOGROWTH_FUNCTION Place from(std::ptrdiff_t) const { return {data}; }
+  /// @endcond
 };
 /// Not there: what would be written is not.
 struct None {
+  /// @cond
   struct Place {};
+  /// @endcond
 };
 
+/// The views by their names, for pointers of any kind.
+/// @{
 template <class V>
 MYOGROWTH_FUNCTION Soa<V> soa(V* data, std::ptrdiff_t n) {
   return {data, n};
@@ -138,33 +151,38 @@ template <class V>
 MYOGROWTH_FUNCTION Shared<V> shared(V* data) {
   return {data};
 }
+/// @}
 
 /// What goes in: F (9, column by column), n0 (3, of any length > 0), G_n, dt [time]; and, for the
 /// second-order step, lambda_n.
 template <class F_, class N0, class G_, class Dt, class Lambda = None>
 struct Input {
-  F_ F;
-  N0 n0;
-  G_ G;
-  Dt dt;
-  Lambda lambda{};
+  F_ F;             ///< deformation gradient at the end of the step [-]
+  N0 n0;            ///< fibre [-]
+  G_ G;             ///< sarcomere number at the beginning [-]
+  Dt dt;            ///< length of the step [time]
+  Lambda lambda{};  ///< total fibre stretch at the beginning [-]
 };
+/// @cond
 template <class F_, class N0, class G_, class Dt>
 Input(F_, N0, G_, Dt) -> Input<F_, N0, G_, Dt>;
+/// @endcond
 
 /// What comes out: stress; G; tangent; and, if asked for, scalars (5): lambda_e, lambda, J, Je, psi. G may be
 /// the place that G_n came from. Where a point has no result its G is as it was and the rest is NaN.
 template <class Stress, class G_, class Tangent_ = None, class Scalars = None>
 struct Output {
-  Stress stress;
-  G_ G;
-  Tangent_ tangent{};
-  Scalars scalars{};
+  Stress stress;       ///< in the measure asked for [stress]
+  G_ G;                ///< sarcomere number at the end [-]
+  Tangent_ tangent{};  ///< as much of it as asked for [stress]
+  Scalars scalars{};   ///< lambda_e, lambda, J, Je [-], psi [stress]
 };
+/// @cond
 template <class Stress, class G_>
 Output(Stress, G_) -> Output<Stress, G_>;
 template <class Stress, class G_, class Tangent_>
 Output(Stress, G_, Tangent_) -> Output<Stress, G_, Tangent_>;
+/// @endcond
 
 namespace detail {
 

@@ -165,6 +165,7 @@ MYOGROWTH_FUNCTION GrowthStep<T> flow_growth(const GrowthRate<V>& growth, const 
 /// How the error of one time step in G is estimated, for hosts that choose their steps by it [-]: backward
 /// Euler against the flow at mid-step (an error of order dt^2), the latter against the mean of the flows at
 /// the stretches of both ends (of the order of the stretch's change in dt, squared).
+/// @{
 template <class V>
 MYOGROWTH_FUNCTION V time_error_of_backward_euler(const GrowthRate<V>& growth, const RemovalRate<V>& removal,
                                                   V G_n, V lambda_n, V lambda, V dt) {
@@ -181,6 +182,7 @@ MYOGROWTH_FUNCTION V time_error_of_midpoint_flow(const GrowthRate<V>& growth, co
           2;
   return difference < 0 ? -difference : difference;
 }
+/// @}
 
 }  // namespace myogrowth
 

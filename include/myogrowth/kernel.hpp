@@ -42,7 +42,9 @@ struct FibreGrowth {
   P c2 = P(4);             ///< second Lamé constant, > 0 [stress]
   GrowthRate<P> growth;    ///< eq. 4
   RemovalRate<P> removal;  ///< off unless removal.removal_time > 0
+  /// What psi is counted per.
   EnergyPer energy = EnergyPer::reference_volume;
+  /// How eq. 4 is integrated.
   TimeIntegration integration = TimeIntegration::backward_euler;
 };
 
@@ -58,20 +60,22 @@ enum class Status {
 /// Result of update_point.
 template <class T>
 struct PointUpdate {
-  Status status;
+  Status status;   ///< whether there is a result
   int iterations;  ///< Newton steps of the growth equation
   T G;             ///< sarcomere number at the end of the step [-]
   T dG_dlambda;    ///< consistent derivative of G with respect to lambda [-]
   T lambda;        ///< total fibre stretch [-]
   T lambda_e;      ///< elastic fibre stretch, lambda/G [-]
-  T J, Je;         ///< det F and det F_e [-]
+  T J;             ///< det F [-]
+  T Je;            ///< det F_e = J/G [-]
   T psi;           ///< energy per unit reference volume [stress]
-  T c1, c2;      ///< Lamé constants that the stress is formed with: G times the material's for grown_volume
-  T n0[3];       ///< unit fibre direction that was used [-]
-  T f[3];        ///< deformed fibre F n0 [-]
-  T be[6];       ///< elastic left Cauchy-Green tensor [-]
-  T tau[6];      ///< Kirchhoff stress [stress]
-  T dtau_dG[6];  ///< its derivative with respect to G at fixed F [stress]
+  T c1;            ///< first Lamé constant used, G times the material's for grown_volume [stress]
+  T c2;            ///< second Lamé constant used [stress]
+  T n0[3];         ///< unit fibre direction that was used [-]
+  T f[3];          ///< deformed fibre F n0 [-]
+  T be[6];         ///< elastic left Cauchy-Green tensor [-]
+  T tau[6];        ///< Kirchhoff stress [stress]
+  T dtau_dG[6];    ///< its derivative with respect to G at fixed F [stress]
 };
 
 /// Makes n0 of any length a unit vector. False if it has no direction (zero, NaN or infinite).
@@ -281,6 +285,7 @@ MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, cons
   // clang-format on
 }
 
+/// The same without a factor: the modulus of tau itself [stress].
 template <class T>
 MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
   spatial_modulus(u, c, T(Real<T>(1)));

@@ -31,7 +31,9 @@ struct Update {
   Mat3<T> F;             ///< the deformation gradient it was made for [-]
   PointUpdate<T> point;  ///< the kernel's numbers: lambda, lambda_e, J, Je, psi, dG_dlambda, ...
 
+  /// Whether there is a result, and why not.
   Status status() const { return point.status; }
+  /// Whether there is one.
   bool ok() const { return point.status == Status::ok; }
 
   /// Kirchhoff stress tau = J sigma [stress].

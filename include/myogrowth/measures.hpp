@@ -4,11 +4,10 @@
 /// The law gives the Kirchhoff stress tau and the spatial modulus c of its Jaumann rate (kernel.hpp, also for
 /// the layouts used here). From these two follow, and to these two go back:
 ///
-///   Abaqus:            sigma = tau/J,                       DDSDDE = c/J
-///   Truesdell (Lie):   C = c - (I∘tau + tau∘I),             (I∘tau + tau∘I):D = tau D + D tau
-///   first Piola:       P = tau F^-T,                        dP_iJ/dF_kL = F^-1_Jj F^-1_Ll (C_ijkl + delta_ik
-///   tau_jl) second Piola:      S = F^-1 tau F^-T,                   dS_IJ/dE_KL = F^-1_Ii F^-1_Jj F^-1_Kk
-///   F^-1_Ll C_ijkl
+///   Abaqus:          sigma = tau/J,             DDSDDE = c/J
+///   Truesdell (Lie): C = c - (I∘tau + tau∘I),   (I∘tau + tau∘I):D = tau D + D tau
+///   first Piola:     P = tau F^-T,              dP_iJ/dF_kL = F^-1_Jj F^-1_Ll (C_ijkl + delta_ik tau_jl)
+///   second Piola:    S = F^-1 tau F^-T,         dS_IJ/dE_KL = F^-1_Ii F^-1_Jj F^-1_Kk F^-1_Ll C_ijkl
 ///
 /// (Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, ch. 5-6; Abaqus Theory Guide.)
 #ifndef MYOGROWTH_MEASURES_HPP

@@ -31,6 +31,8 @@ using std::log1p;
 using std::pow;
 using std::sqrt;
 
+/// The real number that decides: a number itself, the real part of a complex one.
+/// @{
 constexpr float value(float x) { return x; }
 constexpr double value(double x) { return x; }
 constexpr long double value(long double x) { return x; }
@@ -38,6 +40,7 @@ template <class R>
 constexpr R value(const std::complex<R>& z) {
   return z.real();
 }
+/// @}
 
 /// The real type under a scalar: double for double, std::complex<double> and a dual number over double.
 template <class T>
@@ -83,6 +86,7 @@ MYOGROWTH_FUNCTION bool is_zero(const T& x) {
 template <class P>
 class Exponent {
  public:
+  /// Looks at it.
   MYOGROWTH_FUNCTION explicit Exponent(const P& exponent) : exponent_(exponent), whole_(-1), half_(false) {
     look(std::is_floating_point<P>());
   }

@@ -31,6 +31,7 @@
 #if !defined(MYOGROWTH_FLAT)
 #define MYOGROWTH_FLAT __attribute__((flatten))
 #endif
+/// A function that stays one, for what is rarely called.
 #define MYOGROWTH_APART __attribute__((noinline))
 
 namespace myogrowth {
@@ -40,6 +41,7 @@ namespace simd {
 /// vector_size with sizes that depend on a template for scalars, hence the list.)
 template <class V, int N>
 struct Register;
+/// @cond
 #define MYOGROWTH_REGISTER(V, Integer, N)                                 \
   template <>                                                             \
   struct Register<V, N> {                                                 \
@@ -55,6 +57,7 @@ MYOGROWTH_REGISTER(float, std::int32_t, 4)
 MYOGROWTH_REGISTER(float, std::int32_t, 8)
 MYOGROWTH_REGISTER(float, std::int32_t, 16)
 #undef MYOGROWTH_REGISTER
+/// @endcond
 
 /// Bytes of the widest register that the compiler may use here.
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
@@ -71,16 +74,18 @@ constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(V));
 /// True or false in every lane: all bits of an integer of V's size.
 template <class V, int N>
 struct Mask {
-  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>, parts = N / width;
-  typename Register<V, width>::Integers v[parts];
+  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>;  ///< lanes of a register
+  static constexpr int parts = N / width;                                  ///< registers
+  typename Register<V, width>::Integers v[parts];                          ///< the registers
 };
 
 /// N lanes of V, in one register or in several side by side, whose operations hide each other's latency.
 template <class V, int N>
 struct Pack {
-  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>, parts = N / width;
-  using Lanes = typename Register<V, width>::Lanes;
-  Lanes v[parts];
+  static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>;  ///< lanes of a register
+  static constexpr int parts = N / width;                                  ///< registers
+  using Lanes = typename Register<V, width>::Lanes;                        ///< a register
+  Lanes v[parts];                                                          ///< the registers
 
   Pack() = default;
   /// The same in every lane.
@@ -88,14 +93,17 @@ struct Pack {
     for (Lanes& part : v) part = Lanes{} + x;
   }
 
-  /// From and to N numbers one after the other.
+  /// From N numbers one after the other.
   static Pack load(const V* from) {
     Pack p;
     std::memcpy(&p.v, from, sizeof p.v);
     return p;
   }
+  /// To N numbers one after the other.
   void store(V* to) const { std::memcpy(to, &v, sizeof v); }
+  /// One lane.
   V operator[](int lane) const { return v[lane / width][lane % width]; }
+  /// Sets one lane.
   void set(int lane, V x) { v[lane / width][lane % width] = x; }
   /// One of its registers.
   Pack<V, width> part(int k) const {
@@ -104,6 +112,8 @@ struct Pack {
     return p;
   }
 
+  /// Lane by lane.
+  /// @{
   friend Pack operator+(const Pack& a, const Pack& b) {
     Pack c;
     for (int k = 0; k < parts; ++k) c.v[k] = a.v[k] + b.v[k];
@@ -146,8 +156,11 @@ struct Pack {
   }
   friend Mask<V, N> operator>(const Pack& a, const Pack& b) { return b < a; }
   friend Mask<V, N> operator>=(const Pack& a, const Pack& b) { return b <= a; }
+  /// @}
 };
 
+/// Lane by lane.
+/// @{
 template <class V, int N>
 Mask<V, N> operator&(const Mask<V, N>& a, const Mask<V, N>& b) {
   Mask<V, N> m;
@@ -166,6 +179,7 @@ Mask<V, N> operator!(const Mask<V, N>& a) {
   for (int k = 0; k < m.parts; ++k) m.v[k] = ~a.v[k];
   return m;
 }
+/// @}
 
 /// a where the mask is true, else b.
 template <class V, int N>
@@ -363,6 +377,7 @@ Pack<V, N> rough_quotient(const Pack<V, N>& a, const Pack<V, N>& b) {
   return a / b;
 }
 
+/// Square root of every lane, rounded correctly.
 template <class V, int N>
 Pack<V, N> sqrt(const Pack<V, N>& x) {
   Pack<V, N> y;

@@ -14,9 +14,9 @@
 namespace myogrowth {
 
 template <class T>
-using Vec3 = Eigen::Matrix<T, 3, 1>;
+using Vec3 = Eigen::Matrix<T, 3, 1>;  ///< vector
 template <class T>
-using Mat3 = Eigen::Matrix<T, 3, 3>;
+using Mat3 = Eigen::Matrix<T, 3, 3>;  ///< second-order tensor
 // Not aligned, so that a struct of these has one layout whatever the compiler's -m flags are.
 template <class T>
 using Vec6 = Eigen::Matrix<T, 6, 1, Eigen::DontAlign>;  ///< symmetric tensor, 11 22 33 12 13 23

@@ -3,8 +3,11 @@
 #ifndef MYOGROWTH_VERSION_HPP
 #define MYOGROWTH_VERSION_HPP
 
+/// The version, major.minor.patch.
+/// @{
 #define MYOGROWTH_VERSION_MAJOR 0
 #define MYOGROWTH_VERSION_MINOR 1
 #define MYOGROWTH_VERSION_PATCH 0
+/// @}
 
 #endif

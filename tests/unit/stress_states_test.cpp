@@ -204,4 +204,18 @@ TEST(UniaxialStress, FreesTheSidesAndCondensesTheSlope) {
   }
 }
 
+TEST(UniaxialStress, SaysWhatItCannotTake) {
+  const FibreGrowth<> muscle;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (auto [stretch, G, expected] :
+       {std::tuple(nan, 1.0, Status::not_finite), std::tuple(-1.0, 1.0, Status::inverted),
+        std::tuple(1.1, 0.0, Status::bad_state)}) {
+    PointUpdate<double> u;
+    double lateral = 0, slope = 0;
+    EXPECT_EQ(uniaxial_stress(muscle, stretch, G, 1.0, 0.1, lateral, u, slope), expected);
+    EXPECT_TRUE(std::isnan(slope) && std::isnan(u.tau[0]));
+    EXPECT_EQ(lateral, 0);
+  }
+}
+
 }  // namespace

@@ -1,0 +1,160 @@
+"""Builds the site from the repository's own pages: Doxygen reads the headers, Sphinx makes one site of it all.
+
+build_site.py OUT [--python FOLDER]     FOLDER: where the Python module was built, for its reference
+
+The pages are those of pages.txt, laid out for Sphinx as in the repository, so that their links hold in both.
+"""
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+SITE = pathlib.Path(__file__).resolve().parent
+ROOT = SITE.parents[1]
+MATHJAX = pathlib.Path("/usr/share/javascript/mathjax")
+NORMALIZE = pathlib.Path("/usr/share/javascript/normalize.css/normalize.css")
+MATHJAX_PARTS = ("MathJax.js", "config/TeX-AMS_SVG.js", "extensions", "jax/element", "jax/input/TeX",
+                 "jax/output/SVG/autoload", "jax/output/SVG/config.js", "jax/output/SVG/jax.js",
+                 "jax/output/SVG/fonts/TeX", "jax/output/PreviewHTML")
+LINK = re.compile(r"(\[[^\]]*\]\()([^)#\s]+)(#[^)\s]*)?\)")
+CXX_INTRODUCTION = """# C++ headers
+
+What each header is for: [manual](../docs/manual.md#the-c-headers). Names are in namespace `myogrowth`; `detail` is not for users.
+
+"""
+
+
+def listed():
+    """Captions and the pages below them that are there."""
+    groups = []
+    for line in (SITE / "pages.txt").read_text().splitlines()[1:]:
+        if line.startswith("#"):
+            groups.append((line[1:].strip(), []))
+        elif line:
+            groups[-1][1].append(line)
+    return groups
+
+
+def place_of(page):
+    """Where a page of the repository is in the site: README.md is its front page."""
+    return pathlib.PurePosixPath("index.md" if page == "README.md" else page)
+
+
+def lay_out(source, target, pages):
+    """Copies a page and the pictures and files it links to; a link to a file of the repository becomes a download."""
+    text = (ROOT / source).read_text(encoding="utf-8")
+    text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", text, flags=re.S | re.M)  # a code host's way of saying it
+    here = pathlib.PurePosixPath(source).parent
+
+    def relinked(match):
+        opening, path, anchor = match.group(1), match.group(2), match.group(3) or ""
+        if re.match(r"[a-z]+:", path):
+            return match.group(0)
+        file = os.path.normpath(str(here / path))
+        if file in pages:
+            path = os.path.relpath(place_of(file), place_of(source).parent)
+        elif file == "abi/myogrowth.h":
+            path = os.path.relpath("api/c.md", place_of(source).parent)
+        elif (ROOT / file).is_file():
+            (target / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / file, target / file)
+        else:
+            sys.exit(f"{source}: link to {path}: there is no such file")
+        return f"{opening}{path}{anchor})"
+
+    place = target / place_of(source)
+    place.parent.mkdir(parents=True, exist_ok=True)
+    code = re.compile(r"(^```.*?^```|`[^`\n]*`)", re.S | re.M)
+    parts = code.split(text)
+    place.write_text("".join(p if i % 2 else LINK.sub(relinked, p) for i, p in enumerate(parts)), encoding="utf-8")
+
+
+def doxygen(out):
+    """XML of the public headers; fails where something public has no comment."""
+    settings = (SITE / "Doxyfile").read_text() + f"OUTPUT_DIRECTORY = {out}\n"
+    out.mkdir(parents=True, exist_ok=True)
+    run = subprocess.run(["doxygen", "-"], input=settings, text=True, cwd=ROOT, stderr=subprocess.PIPE)
+    if run.returncode != 0:
+        sys.exit(f"{run.stderr}a public symbol needs a comment: what it is, shapes, unit, errors")
+    for file in (out / "xml").glob("*.xml"):  # groups without a name are functions like others
+        text = file.read_text(encoding="utf-8")
+        file.write_text(text.replace('<sectiondef kind="user-defined">', '<sectiondef kind="func">'), encoding="utf-8")
+    return out / "xml"
+
+
+def reference(target, with_python):
+    """The pages of the API, header by header in the order of the manual's table."""
+    (target / "api").mkdir()
+    headers = sorted(p.name for p in (ROOT / "include/myogrowth").glob("*.hpp"))
+    first = ["material.hpp", "kernel.hpp", "measures.hpp", "batch.hpp", "stress_states.hpp", "growth_rate.hpp",
+             "growth_solve.hpp", "growth_flow.hpp"]
+    headers.sort(key=lambda name: first.index(name) if name in first else len(first))
+    links = "".join(f"- [{name}]({name[:-4]}.md)\n" for name in headers)
+    toc = "```{toctree}\n:hidden:\n" + "".join(name[:-4] + "\n" for name in headers) + "```\n"
+    (target / "api/cpp.md").write_text(CXX_INTRODUCTION + links + "\n" + toc)
+    for name in headers:
+        (target / "api" / f"{name[:-4]}.md").write_text(f"# {name}\n\n```{{doxygenfile}} {name}\n```\n")
+    (target / "api/c.md").write_text("# C API\n\n`#include <myogrowth.h>`, `build/abi/libmyogrowth.so`; tables and "
+                                     "examples: [manual](../docs/manual.md#the-c-api).\n\n"
+                                     "```{doxygenfile} myogrowth.h\n```\n")
+    if with_python:
+        (target / "api/python.md").write_text("# Python module\n\n```{eval-rst}\n.. automodule:: myogrowth\n"
+                                              "   :members:\n```\n")
+
+
+def finish_theme(static):
+    """Debian's furo counts on a web server for a style sheet, and on modules, which browsers do not load from files."""
+    shutil.copy(NORMALIZE, static / "styles")
+    style = static / "styles/furo.css"
+    style.write_text(style.read_text().replace("url(/javascript/normalize.css/normalize.css)", "url(normalize.css)"))
+    scripts = static / "scripts"
+    whole = (scripts / "gumshoe-patched.js").read_text() + (scripts / "furo.js").read_text()
+    (scripts / "furo.js").write_text(whole.replace('import Gumshoe from "./gumshoe-patched.js";', ""))
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    p.add_argument("out", type=pathlib.Path)
+    p.add_argument("--python", type=pathlib.Path)
+    a = p.parse_args()
+    work = ROOT / "build/docs"
+    stage, html = work / "pages", a.out.resolve()
+    shutil.rmtree(stage, ignore_errors=True)
+    stage.mkdir(parents=True)
+    xml = doxygen(work / "doxygen")
+    reference(stage, a.python is not None)
+
+    groups = [(caption, [page for page in pages if (ROOT / page).is_file() or (stage / page).is_file()])
+              for caption, pages in listed()]
+    pages = ["README.md"] + [page for _, group in groups for page in group if (ROOT / page).is_file()]
+    for page in pages:
+        lay_out(page, stage, pages)
+    with (stage / "index.md").open("a", encoding="utf-8") as index:
+        for caption, group in groups:
+            if group:
+                index.write(f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n" + "".join(
+                    f"{page[:-3]}\n" for page in group) + "```\n")
+
+    static = stage / "_static"
+    static.mkdir()
+    shutil.copy(SITE / "site.css", static)
+    for part in MATHJAX_PARTS:
+        source, target = MATHJAX / part, static / "mathjax" / part
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copytree(source, target) if source.is_dir() else shutil.copy(source, target)
+
+    header = (ROOT / "include/myogrowth/version.hpp").read_text()
+    environment = dict(os.environ, MYOGROWTH_DOXYGEN_XML=str(xml), MYOGROWTH_STATIC=str(static), MYOGROWTH_VERSION=".".join(
+        re.search(rf"VERSION_{part} (\d+)", header).group(1) for part in ("MAJOR", "MINOR", "PATCH")))
+    if a.python:
+        environment["PYTHONPATH"] = str(a.python.resolve())
+    subprocess.run([sys.executable, "-m", "sphinx", "-b", "html", "-q", "-W", "--keep-going", "-E", "-c", SITE,
+                    "-d", work / "doctrees", stage, html], check=True, env=environment)
+    finish_theme(html / "_static")
+    print(html / "index.html")
+
+
+main()

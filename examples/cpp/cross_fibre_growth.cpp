@@ -1,0 +1,70 @@
+// A growth law of one's own: hypertrophy. A muscle that is loaded for weeks adds sarcomeres in parallel, and
+// becomes thicker until the tension on each is what it was. Prints six weeks of it, and holds its tangent to
+// differences.
+#include <cmath>
+#include <cstdio>
+#include <myogrowth/growth_law.hpp>
+#include <myogrowth/growth_rate.hpp>
+
+using namespace myogrowth;
+
+// The growth variable g is the relative cross-section, 1 at start.
+struct CrossFibreGrowth {
+  NeoHookean<> muscle;                   // what the tension comes from
+  GrowthRate<> capacity{60, 2, 1.5, 0};  // tau [days], gamma, largest cross-section: k_g of eq. 4
+  double tension_crit = 0.5;             // tension above which sarcomeres are added [kPa]
+
+  double limit() const { return capacity.G_max; }
+
+  // F_g = sqrt(g) (I - n0⊗n0) + n0⊗n0: across the fibre alone, det F_g = g.
+  template <class T>
+  Mat3<T> growth_tensor(const T& g, const Vec3<T>& n0) const {
+    const T thicker = sqrt(g);
+    return thicker * Mat3<T>::Identity() + (T(1) - thicker) * n0 * n0.transpose();
+  }
+
+  // dg/dt = k_g(g) <tension/tension_crit - 1>, the tension being the fibre's part of the Kirchhoff stress.
+  template <class T>
+  T rate(const T& g, const Mat3<T>& Fe, const Vec3<T>& n0) const {
+    const Mat3<T> tau = muscle.kirchhoff(left_cauchy_green(Fe));
+    const Vec3<T> n = Fe * n0 / fibre_stretch(Fe, n0);
+    const T tension = contraction<T>(tau, n * n.transpose());
+    if (!(value(tension) > tension_crit)) return T(0);
+    return capacity.adaptation(g) * (tension / tension_crit - 1.);
+  }
+};
+
+int main() {
+  const CrossFibreGrowth law;
+  const NeoHookean<> elasticity;
+  const Vec3<double> n0(std::cos(0.3), std::sin(0.3), 0);
+  Mat3<double> F = Mat3<double>::Identity();
+  F(0, 0) = 1.1;
+  F(0, 1) = 0.1;
+  double g = 1;
+  const double dt = 0.25;  // days
+  for (int step = 1; step <= 42 / dt; ++step) {
+    const LawUpdate next = update(law, elasticity, F, n0, g, dt);
+    if (!next.ok()) return 1;
+    g = next.g;
+    if (step % 28 == 0)
+      std::printf("day %4.1f  cross-section %.4f  P_11 = %.4f kPa\n", step * dt, g, next.P(0, 0));
+  }
+
+  // dP/dF of one step, growth included, against central differences of the same step.
+  const double h = 1e-6;
+  const LawUpdate step = update(law, elasticity, F, n0, 1.05, dt);
+  double worst = 0;
+  for (int k = 0; k < 9; ++k) {
+    Mat3<double> plus = F, minus = F;
+    plus.data()[k] += h;
+    minus.data()[k] -= h;
+    const Mat3<double> slope =
+        (update(law, elasticity, plus, n0, 1.05, dt).P - update(law, elasticity, minus, n0, 1.05, dt).P) /
+        (2 * h);
+    for (int i = 0; i < 9; ++i) worst = std::fmax(worst, std::fabs(slope.data()[i] - step.dP_dF(i, k)));
+  }
+  std::printf("dP/dF against differences: %.0e of its largest entry\n",
+              worst / step.dP_dF.cwiseAbs().maxCoeff());
+  return worst < 1e-7 * step.dP_dF.cwiseAbs().maxCoeff() ? 0 : 1;
+}

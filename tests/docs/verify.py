@@ -1,0 +1,201 @@
+"""Writes docs/verification.md: every claim, the tests that hold it, and the figure that they print.
+
+verify.py BUILD [--write PAGE | --check PAGE]
+
+--write runs the tests of every claim in the build folder and puts what they print into the page. --check, a test itself,
+runs nothing: the page must have exactly the claims below, and ctest must know every test that they name.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+from typing import NamedTuple, Optional
+
+SKIPPED = 77
+NUMBER = r"([-+0-9.e]+)"
+
+
+class Claim(NamedTuple):
+    text: str
+    tests: str  # a regular expression for names of ctest, whole
+    prints: Optional[str] = None  # what they print; # is a number
+    figure: Optional[str] = None  # how it is reported: {0} the largest of the pattern's first number, {0-} the least
+
+
+CLAIMS = {
+    "The law": [
+        Claim("agrees with an independent evaluation in 50 digits: 3,000 points, random oblique fibres, F up to 60 % off identity, large "
+              "rotations, Δt up to 10⁴ τ, γ 0.5 to 4, both energy conventions; tangents against differences of the reference's own step",
+              r"verification\.Kinds/Accuracy\..*",
+              "worst relative error: G #  lambda_e #  psi #  stress #  DDSDDE #  dP/dF #  dS/dE #",
+              "worst relative error: G {0}, λe {1}, ψ {2}, stress {3}, DDSDDE {4}, dP/dF {5}, dS/dE {6}"),
+        Claim("the local solve cannot fail, growth and removal: Δt/τ from 1e-12 to 1e300, γ from 0 to 20; in its bracket and at the root",
+              r"fuzz\.solver", "# steps, # grew or shrank, # iterations on average, # at most, # failures",
+              "{0} steps, {1} of them grew or shrank: {2} iterations on average, {3} at most, {4} failures"),
+        Claim("the solve, steps chosen to be hard, against 50 digits: growth and removal", r"unit\.GrowthSolve\.Hard.*",
+              "worst error: G #, dG/dlambda #", "worst relative error: G {0}, dG/dλ {1}"),
+        Claim("without growth it is the elastic law bit for bit", r"unit\.Kernel\.WithoutGrowthItIsTheElasticLawBitForBit"),
+        Claim("F = Fg with the fibre along an axis gives exactly no stress", r"unit\.Kernel\.FreeGrowthIsStressFreeExactly"),
+        Claim("the kernel is the paper's formulas as they are written", r"unit\.Kernel\.AgreesWithTheDefinitions"),
+        Claim("it is objective", r"unit\.Kernel\.ObjectiveUnderRotation"),
+        Claim("plane stress: the stress across vanishes, the condensed tangent is that of the solid; thickness and tangent against 50 digits",
+              r"unit\.(Fibres/)?PlaneStress\.(Frees|Against).*", "worst: stress across #, tangent #",
+              "worst: stress across {0} (c1 + c2), tangent {1}"),
+    ],
+    "In time": [
+        Claim("the step is of first order", r"verification\.History\.BackwardEulerConvergesWithOrderOne", "orders # to #",
+              "orders {0-} to {1}"),
+        Claim("the second-order step is of second order", r"verification\.History\.MidpointFlowConvergesWithOrderTwo",
+              "orders # to #", "orders {0-} to {1}"),
+        Claim("what it converges to is the exact solution for held stretch", r"verification\.History\.HeldStretchReferenceValues",
+              "extrapolated G off by # at most", "extrapolated G within {0}"),
+        Claim("ten per cent ramped over a day and held: λe is 1.0630 on day 1 and 1.0121 on day 42",
+              r"verification\.History\.RampThenHoldReferenceValues"),
+        Claim("the flow is that of a Runge-Kutta method in steps far below its error", r"unit\.GrowthFlow\.IsTheFlow",
+              "worst difference to Runge-Kutta: #", "worst difference {0}"),
+    ],
+    "In hosts": [
+        Claim("the UMAT is the core bit for bit", r"abi\.Umat\.IsTheCoreBitForBit"),
+        Claim("the C API is the core bit for bit", r"abi\.CApi\.IsTheCoreBitForBit"),
+        Claim("CalculiX's library is the core bit for bit, by both interfaces", r"abi\.Ccx\.BothAreTheCoreBitForBit"),
+        Claim("the VUMAT is the UMAT in the turned basis", r"abi\.Vumat\.IsTheUmatInTheTurnedBasis"),
+        Claim("several threads get what one gets", r"abi\.(threads|Umat\.TwoThreadsGetTheSameAsOne|Vumat\.TwoThreadsGetTheSameAsOne)"),
+        Claim("each library needs libm and libc alone, and exports its own names alone", r"abi\..*_needs_and_exports"),
+        Claim("global Newton is quadratic with the UMAT's tangent, an oblique fibre under traction; of first order where a host keeps "
+              "its symmetric part", r"driver\.Newton",
+              "order # to # in # iterations; symmetrised: # on average in # iterations",
+              "order {0-} to {1} in {2} iterations; symmetrised: order {3} in {4}"),
+        Claim("the one-element driver has the closed forms, balances its tractions and cuts back", r"driver\.Cases"),
+        Claim("in CalculiX, six element types: state and reactions are the one-element driver's",
+              r"calculix\.(Pull|Prescribed|Traction)", "; worst: state #, reaction #",
+              "worst difference: state {0} (the last digit that CalculiX prints), reactions {1} of the largest"),
+        Claim("in CalculiX, global Newton", r"calculix\.Newton", " orders # to #", "orders {0-} to {1}"),
+        Claim("the cylinder, half way along: λe is eq. 4's at its stretch, the force that of the stress by hand",
+              r"calculix\.Coarse", "lambda_e #, force # of itself", "λe within {0}, force within {1} of itself"),
+    ],
+    "Around it": [
+        Claim("many points at once on SIMD packs agree with point by point, and a point's bits are its own", r"unit\.batch"),
+        Claim("a growth law through the hook is the paper's; others have the tangent of their step", r"unit\.GrowthLaw\..*"),
+        Claim("the worked example of CONTRIBUTING: its tangent against differences", r"example\.cross_fibre_growth",
+              "dP/dF against differences: #", "{0} of the largest entry"),
+        Claim("the Python module: by hand, against differences, against the one-element driver", r"python\.module",
+              "# passed", "{0} tests passed"),
+        Claim("the manual's tables are the code's", r"docs\.manual_tables"),
+        Claim("every public symbol has a comment; no link of the site is broken", r"docs\.(site|links)",
+              "# pages, # links within the site, # broken", "{0} pages, {1} links, {2} broken"),
+    ],
+}
+
+INTRODUCTION = """# Verification
+
+Every claim, the tests of `./run test` that hold it, and the figure that they print. `./run verify` runs them and writes this page; that the claims'
+tests exist is a test too. Where there is no figure, the test asserts what the claim says. What has not been verified: nothing here was run in
+Abaqus, and the model was compared with the paper's text and figures only, [claim by claim](biceps.md), not with measurements on muscles.
+"""
+
+
+def known_tests(build):
+    listed = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], check=True, capture_output=True, text=True)
+    return {test["name"]: test for test in json.loads(listed.stdout)["tests"]}
+
+
+def names_of(claim, known):
+    return [name for name in known if re.fullmatch(claim.tests, name)]
+
+
+def properties(test):
+    return {p["name"]: p["value"] for p in test.get("properties", [])}
+
+
+def run(test):
+    """Runs one test as ctest would; what it prints, or None if it skips itself."""
+    given = properties(test)
+    environment = dict(os.environ, **dict(e.split("=", 1) for e in given.get("ENVIRONMENT", [])))
+    done = subprocess.run(test["command"], cwd=given.get("WORKING_DIRECTORY"), env=environment, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode == given.get("SKIP_RETURN_CODE", -1):
+        return None
+    if done.returncode != 0:
+        sys.exit(f"{done.stdout}\n{test['name']} failed")
+    return done.stdout
+
+
+def figure(claim, output):
+    """The claim's figure from all that its tests print: the worst of every number."""
+    pattern = NUMBER.join(re.escape(part) for part in claim.prints.split("#"))
+    found = re.findall(pattern, output)
+    if not found:
+        sys.exit(f"{claim.tests}: does not print '{claim.prints}'")
+    columns = list(zip(*[f if isinstance(f, tuple) else (f,) for f in found]))
+
+    def pick(match):
+        column = columns[int(match.group(1))]
+        text = (min if match.group(2) else max)(column, key=float)
+        return f"{int(text):,}" if re.fullmatch(r"\d{4,}", text) else text
+
+    return re.sub(r"\{(\d+)(-?)\}", pick, claim.figure)
+
+
+def named(claim):
+    """The tests of a claim as a reader would write them."""
+    return f"`{claim.tests}`".replace("\\", "").replace(".*", "*").replace("|", "\\|")
+
+
+def report(build):
+    known = known_tests(build)
+    compiler = re.search(r"CMAKE_CXX_COMPILER:\w+=(.*)", (build / "CMakeCache.txt").read_text()).group(1)
+    text = [INTRODUCTION, "These figures: " + subprocess.run([compiler, "--version"], capture_output=True, text=True)
+            .stdout.splitlines()[0] + ".\n"]
+    for section, claims in CLAIMS.items():
+        text.append(f"## {section}\n\n| claim | figure | tests |\n|---|---|---|")
+        for claim in claims:
+            names = names_of(claim, known)
+            print(f"{claim.tests}: {len(names)} tests", flush=True)
+            if not names or not all("command" in known[name] for name in names):
+                sys.exit(f"{build}: these tests are not there, or not built")
+            outputs = [run(known[name]) for name in names]
+            if None in outputs:
+                said = "not run here (its host is missing)"
+            else:
+                said = figure(claim, "\n".join(outputs)) if claim.prints else ""
+            text.append(f"| {claim.text} | {said} | {named(claim)} |")
+        text.append("")
+    return "\n".join(text)
+
+
+def check(build, page):
+    text, known = page.read_text(encoding="utf-8"), known_tests(build)
+    rows = re.findall(r"^\| (.*) \| (.*) \| (`.*`) \|$", text, re.M)
+    claims = [claim for section in CLAIMS.values() for claim in section]
+    faults = []
+    if [(row[0], row[2]) for row in rows] != [(claim.text, named(claim)) for claim in claims]:
+        faults.append(f"{page}: its claims are not those of {__file__}: ./run verify")
+    faults += [f"{claim.text}: a figure is missing: ./run verify" for claim, row in zip(claims, rows)
+               if claim.prints and not row[1]]
+    missing = [claim.tests for claim in claims if not names_of(claim, known)]
+    if missing and any(name.endswith("_NOT_BUILT") for name in known):
+        print("not all tests are built here; not found:", *missing)
+        sys.exit(SKIPPED)
+    faults += [f"{tests}: a claim rests on it, and ctest does not know it" for tests in missing]
+    if faults:
+        sys.exit("\n".join(faults))
+    print(f"{len(claims)} claims, {sum(len(names_of(claim, known)) for claim in claims)} tests")
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    p.add_argument("build", type=pathlib.Path)
+    what = p.add_mutually_exclusive_group(required=True)
+    what.add_argument("--write", type=pathlib.Path)
+    what.add_argument("--check", type=pathlib.Path)
+    a = p.parse_args()
+    if a.write:
+        a.write.write_text(report(a.build.resolve()), encoding="utf-8")
+    else:
+        check(a.build.resolve(), a.check)
+
+
+main()

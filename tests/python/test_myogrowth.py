@@ -1,0 +1,258 @@
+"""The Python module against the paper's law by hand, differences of itself, and the one-element driver."""
+import csv
+import os
+import pathlib
+import re
+import subprocess
+import threading
+
+import numpy as np
+import pytest
+
+import myogrowth
+from myogrowth import MyogrowthError, Parameters, State, Status, parameters, simulate, update
+
+MUSCLE = Parameters()
+
+
+def points(shape, seed=1):
+    """F near the identity, oblique fibres and sarcomere numbers of growing points."""
+    random = np.random.default_rng(seed)
+    F = np.eye(3) * 1.12 + 0.05 * random.uniform(-1, 1, (*shape, 3, 3))
+    n0 = random.normal(size=(*shape, 3))
+    return F, State(G=random.uniform(1, 1.02, shape), n0=n0)
+
+
+def by_hand(muscle, F, n0, G):
+    """Cauchy stress of eqs 1 to 3 as they are written."""
+    n0 = n0 / np.linalg.norm(n0)
+    Fe = F @ np.linalg.inv(np.eye(3) + (G - 1) * np.outer(n0, n0))
+    Je = np.linalg.det(Fe)
+    return (muscle.c1 * np.log(Je) * np.eye(3) + muscle.c2 * (Fe @ Fe.T - np.eye(3))) / np.linalg.det(F)
+
+
+def test_stress_and_growth_by_hand():
+    F, state = points((4, 5))
+    step = update(MUSCLE, F, 0.1, state)
+    assert step.stress.shape == (4, 5, 3, 3) and step.state.G.shape == (4, 5)
+    assert np.all(step.state.G > state.G)
+    for point in np.ndindex(4, 5):
+        np.testing.assert_allclose(step.stress[point], by_hand(MUSCLE, F[point], state.n0[point], step.state.G[point]),
+                                   rtol=0, atol=1e-13 * MUSCLE.c1)
+        stretch = np.linalg.norm(F[point] @ state.n0[point]) / np.linalg.norm(state.n0[point])
+        G, G_n = step.state.G[point], state.G[point]
+        k_g = ((MUSCLE.G_max - G) / (MUSCLE.G_max - 1)) ** MUSCLE.gamma / MUSCLE.tau
+        assert G - G_n - 0.1 * k_g * max(stretch / G - MUSCLE.lambda_crit, 0) == pytest.approx(0, abs=1e-15)
+        assert step.lambda_e[point] == pytest.approx(stretch / G)
+        assert step.J[point] == pytest.approx(np.linalg.det(F[point]))
+
+
+def test_measures_are_one_stress():
+    F, state = points((6,))
+    sigma, P, S = (update(MUSCLE, F, 0.1, state, measure=m).stress for m in ("cauchy", "first_piola", "second_piola"))
+    np.testing.assert_allclose(P @ F.swapaxes(-1, -2), sigma * np.linalg.det(F)[:, None, None], atol=1e-12)
+    np.testing.assert_allclose(F @ S, P, atol=1e-12)
+    assert np.abs(P - P.swapaxes(-1, -2)).max() > 0.01  # else a transposed P would pass
+
+
+@pytest.mark.parametrize("measure", ["cauchy", "first_piola", "second_piola"])
+def test_tangent_by_differences(measure):
+    F, state = points((3,))
+    h = 1e-6
+    D = update(MUSCLE, F, 0.1, state, measure=measure, tangent=True).tangent
+    assert D.shape == (3, 3, 3, 3, 3)
+    np.testing.assert_array_less(1e-3, np.abs(D - np.einsum("pijkl->pklij", D)).max((1, 2, 3, 4)))  # they grow
+
+    def stress(F_):
+        step = update(MUSCLE, F_, 0.1, state, measure=measure)
+        return step.stress * (step.J[:, None, None] if measure == "cauchy" else 1)
+
+    for k in range(3):
+        for l in range(3):
+            e = np.zeros((3, 3))
+            e[k, l] = 1
+            if measure == "first_piola":
+                dF, size = np.broadcast_to(e, F.shape), 1
+            elif measure == "cauchy":  # no spin: the Jaumann rate is the plain rate
+                dF, size = (e + e.T) / 2 @ F, np.linalg.det(F)[:, None, None]
+            else:  # F^T dF = dE
+                dF, size = np.linalg.inv(F).swapaxes(-1, -2) @ ((e + e.T) / 2), 1
+            slope = (stress(F + h * dF) - stress(F - h * dF)) / (2 * h * size)
+            np.testing.assert_allclose(D[..., k, l], slope, rtol=0, atol=2e-8 * np.abs(D).max())
+
+
+def test_nothing_that_comes_in_is_changed():
+    F, state = points((7,))
+    kept = F.copy(), state.G.copy(), state.n0.copy()
+    F.flags.writeable = state.G.flags.writeable = state.n0.flags.writeable = False
+    update(MUSCLE, F, 0.1, state, tangent=True)
+    for before, after in zip(kept, (F, state.G, state.n0)):
+        np.testing.assert_array_equal(before, after)
+
+
+def test_views_lists_and_shapes():
+    F, state = points((4,))
+    whole = update(MUSCLE, F, 0.1, state)
+    wide = np.zeros((4, 3, 6))
+    wide[..., ::2] = F
+    np.testing.assert_array_equal(update(MUSCLE, wide[..., ::2], 0.1, state).stress, whole.stress)
+    np.testing.assert_array_equal(update(MUSCLE, np.asfortranarray(F), 0.1, state).stress, whole.stress)
+    single = update(MUSCLE, F[2].tolist(), 0.1, State(G=state.G[2], n0=list(state.n0[2])))
+    np.testing.assert_allclose(single.stress, whole.stress[2], atol=1e-13)
+    assert single.stress.shape == (3, 3) and single.energy.shape == ()
+    empty = update(MUSCLE, np.zeros((0, 3, 3)), 0.1, tangent=True)
+    assert empty.tangent.shape == (0, 3, 3, 3, 3)
+    again = update(MUSCLE, F, 0.1, whole.state)  # what comes out goes in
+    assert np.all(again.state.G >= whole.state.G)
+
+
+def test_simulate_is_update_with_free_sides():
+    time = np.linspace(0, 5, 51)
+    h = simulate(MUSCLE, time, np.minimum(1 + 0.1 * time, 1.1))
+    F = np.zeros((51, 3, 3))
+    F[:, 0, 0], F[:, 1, 1], F[:, 2, 2] = h.stretch, h.lateral, h.lateral
+    state = State()
+    for i in range(51):
+        step = update(MUSCLE, F[i], 0.1 if i else 0.0, state, measure="first_piola")
+        state = step.state
+        assert state.G == pytest.approx(h.G[i], rel=1e-14)
+        assert step.stress[0, 0] == pytest.approx(h.force[i], abs=1e-12)
+        assert abs(step.stress[1, 1]) < 1e-12 and abs(step.stress[2, 2]) < 1e-12
+        assert step.J == pytest.approx(h.J[i]) and step.lambda_e == pytest.approx(h.lambda_e[i])
+
+
+def test_the_papers_six_weeks():
+    """Exact values of tests/verification/history_test.cpp, to the second-order step's error."""
+    time = np.linspace(0, 42, 8401)
+    h = simulate(Parameters(integration="midpoint_flow"), time, np.minimum(1 + 0.1 * time, 1.1))
+    for day, exact in ((1, 1.06301), (2, 1.04078), (4, 1.02867), (6, 1.02386), (14, 1.01698), (42, 1.01213)):
+        assert h.lambda_e[np.searchsorted(time, day - 1e-9)] == pytest.approx(exact, abs=7e-6)
+    assert simulate(MUSCLE, time, 1.1).G[-1] == pytest.approx(1.08686, abs=1e-5)
+
+
+@pytest.mark.skipif("MYOGROWTH_DRIVER" not in os.environ, reason="MYOGROWTH_DRIVER names no driver")
+def test_the_driver_has_the_same_history(tmp_path):
+    """fortran_driver/cases/cube.nml: the paper's cube, sides free, in the one-element driver with its UMAT."""
+    case = pathlib.Path(__file__).parents[2] / "fortran_driver/cases/cube.nml"
+    subprocess.run([os.environ["MYOGROWTH_DRIVER"], case, "--out", tmp_path / "cube"], check=True, capture_output=True)
+    with next((tmp_path / "cube").glob("history*.csv")).open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    time, G = (np.array([float(row[name]) for row in rows]) for name in ("time", "G"))
+    h = simulate(MUSCLE, time, [float(row["lambda"]) for row in rows])
+    np.testing.assert_allclose(h.G, G, rtol=1e-6)
+
+
+def test_parameters_are_the_librarys_table():
+    table = {p.name: p for p in parameters()}
+    assert set(table) | {"n0_1", "n0_2", "n0_3", "frame", "tolerance", "hybrid"} == {
+        entry[0] for entry in myogrowth._core.parameters()}
+    assert (table["tau"].unit, table["tau"].allowed, table["c1"].unit) == ("time", "> 0", "stress")
+    assert Parameters(**{p.name: p.default for p in parameters()}) == MUSCLE
+    # Each arrives where it belongs.
+    some = Parameters(c1=20, c2=5, tau=2, gamma=3, G_max=1.4, lambda_crit=1.02, energy="grown",
+                      integration="midpoint_flow", tau_rev=3, gamma_rev=1, G_min=0.6, lambda_crit_rev=0.99)
+    assert some._props().tolist() == [20, 5, 2, 3, 1.4, 1.02, 0, 0, 0, 0, 1, 1, 0, 3, 1, 0.6, 0.99, 0]
+
+
+@pytest.mark.parametrize("given, message", [
+    ({"G_max": 0.9}, "G_max = 0.9: largest relative serial sarcomere number, must be finite and > 1."),
+    ({"c1": -4}, "c1 = -4: first Lame constant, must be finite and > -2/3 c2"),
+    ({"tau": float("nan")}, "tau = nan: time constant of growth, must be finite and > 0."),
+    ({"tau": "fast"}, "tau = 'fast': must be a number"),
+    ({"tau_rev": 1}, "G_min = 0: smallest relative serial sarcomere number"),
+    ({"energy": "deformed"}, "energy = 'deformed': must be 'reference' or 'grown'"),
+])
+def test_bad_parameters(given, message):
+    with pytest.raises(MyogrowthError) as error:
+        Parameters(**given)
+    assert message in error.value.message and error.value.status == Status.BAD_PARAMETER
+    assert error.value.point is None
+
+
+def test_unknown_names_list_what_there_is():
+    with pytest.raises(TypeError, match="Parameters has no 'growth_time': it has c1, c2, tau, gamma, G_max, "):
+        Parameters(growth_time=1)
+    with pytest.raises(TypeError, match="State has no 'g': it has G, stretch, n0"):
+        State(g=1)
+
+
+def test_points_that_fail():
+    F, state = points((2, 3))
+    F[1, 2] = np.diag([1.0, 1.0, -1.0])
+    with pytest.raises(MyogrowthError) as error:
+        update(MUSCLE, F, 0.1, state, measure="first_piola")
+    assert (error.value.status, error.value.point) == (Status.INVERTED, (1, 2))
+    assert str(error.value) == "point 1, 2: det F = -1: must be > 0"
+
+    F[0, 1, 0, 0] = np.nan
+    step = update(MUSCLE, F, 0.1, state, tangent=True, raise_on_failure=False)
+    assert step.status.tolist() == [[0, Status.NOT_FINITE, 0], [0, 0, Status.INVERTED]]
+    assert np.all(np.isnan(step.stress[1, 2])) and np.all(np.isnan(step.tangent[0, 1]))
+    assert step.state.G[1, 2] == state.G[1, 2]
+    others = step.status == 0
+    np.testing.assert_array_equal(step.stress[others], update(MUSCLE, F[others], 0.1, State(
+        G=state.G[others], n0=state.n0[others])).stress)
+
+    with pytest.raises(MyogrowthError, match="point 0: no fibre"):
+        update(MUSCLE, np.eye(3)[None], 0.1, State(n0=(0, 0, 0)))
+    with pytest.raises(MyogrowthError, match="^det F = 0: must be > 0"):
+        update(MUSCLE, np.zeros((3, 3)), 0.1)
+    for G in (0, -1, np.nan):
+        with pytest.raises(MyogrowthError, match="G = .*: must be > 0"):
+            update(MUSCLE, np.eye(3), 0.1, State(G=G))
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: update(MUSCLE, np.eye(2), 0.1), r"F has shape \(2, 2\): must be \(..., 3, 3\)"),
+    (lambda: update(MUSCLE, "F", 0.1), "F: must be numbers"),
+    (lambda: update(MUSCLE, np.eye(3), 0.1, measure="kirchhoff"), "measure = 'kirchhoff': must be 'cauchy' or"),
+    (lambda: update(MUSCLE, np.eye(3)[None], 0.1, State(G=[1, 1])), r"state.G has shape \(2,\): must broadcast"),
+    (lambda: simulate(MUSCLE, [0, 1, 1], 1.1), "time: must be finite and increase"),
+    (lambda: simulate(MUSCLE, [], 1.1), "time has shape"),
+    (lambda: simulate(MUSCLE, [0, 1], [1, 1, 1]), "stretch has shape"),
+    (lambda: simulate(MUSCLE, [0, 1], [1, -1]), "point 1: stretch = -1: must be finite and > 0"),
+    (lambda: simulate(MUSCLE, [0, 1], 1.1, G=0), "G = 0: must be > 0"),
+])
+def test_bad_arguments(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_wrong_kinds():
+    with pytest.raises(TypeError, match="muscle: must be Parameters"):
+        update([16, 4, 0.5, 2, 1.1, 1.01], np.eye(3), 0.1)
+    with pytest.raises(TypeError, match="state: must be a State"):
+        update(MUSCLE, np.eye(3), 0.1, 1.0)
+
+
+def test_others_may_run_while_the_law_works():
+    """The main thread counts while another is in one long call: it could not if the call kept the GIL."""
+    F, state = points((50_000,))
+    done, counted = threading.Event(), 0
+    result = []
+
+    def work():
+        result.append(update(MUSCLE, F, 0.1, state, tangent=True))
+        done.set()
+
+    time = np.linspace(0, 42, 200_001)
+    history = []
+    thread = threading.Thread(target=work)
+    thread.start()
+    while not done.is_set():
+        counted += 1
+        history.append(simulate(MUSCLE, time[:1000], 1.1).G[-1])
+    thread.join()
+    assert counted > 1 and len(set(history)) == 1
+    np.testing.assert_array_equal(result[0].stress[:100], update(MUSCLE, F[:100], 0.1, State(
+        G=state.G[:100], n0=state.n0[:100])).stress)
+
+
+def test_the_page_that_says_how_to_start(capsys):
+    """The code of docs/getting-started.md runs and prints what the paper's law gives with gamma = 1.5."""
+    page = (pathlib.Path(__file__).parents[2] / "docs/getting-started.md").read_text(encoding="utf-8")
+    code, = re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)
+    exec(code, {})
+    first, *table = capsys.readouterr().out.splitlines()
+    assert [float(x) for x in first.split()] == pytest.approx([1.0606199, 1.0887300], abs=1e-6)
+    assert len(table) == len(parameters()) and table[0].startswith("c1 stress > -2/3 c2")
