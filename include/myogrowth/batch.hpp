@@ -15,175 +15,12 @@
 #ifndef MYOGROWTH_BATCH_HPP
 #define MYOGROWTH_BATCH_HPP
 
-#include <cstddef>
-
-#include "kernel.hpp"
-#include "measures.hpp"
+#include "points.hpp"
 #include "simd.hpp"
 
 namespace myogrowth {
 
-/// The stress that is asked for, and the tangent that goes with it.
-enum class Measure {
-  cauchy,       ///< sigma, 6: 11 22 33 12 13 23; DDSDDE, 36
-  first_piola,  ///< P, 9, column by column; dP/dF, 81 at (i + 3J) + 9 (k + 3L)
-  second_piola  ///< S, 6; dS/dE, 36
-};
-/// How much of the tangent.
-enum class Tangent {
-  none,
-  full,
-  compact  ///< with Measure::cauchy: the 7 numbers of CompactTangent
-};
-
-/// The tangent in 7 numbers and the stress: enough to apply it or to write it out.
-///
-///   J DDSDDE:D = c1 tr(D) I + B D + D B + weight (f . D f) dtau/dG,   B = c2 b_e = J sigma - shift I,
-///   dtau/dG = -(c1 I + 2 c2/G^2 f⊗f)/G  (+ J sigma/G with EnergyPer::grown_volume, where c1 and c2 count G
-///   times)
-template <class T>
-struct CompactTangent {
-  T f[3];    ///< deformed fibre F n0 [-]
-  T weight;  ///< dG/dlambda/lambda [-]
-  T shift;   ///< c1 ln(J_e) - c2 [stress]
-  T G;       ///< sarcomere number [-]
-  T J;       ///< volume ratio [-]
-
-  /// DDSDDE[36] from the numbers and the Cauchy stress[6].
-  template <class P>
-  MYOGROWTH_FUNCTION void expand(const FibreGrowth<P>& material, const T stress[6], T ddsdde[36]) const {
-    PointUpdate<T> u;
-    const T one(Real<T>(1)), per_G = one / G;
-    const bool grown = material.energy == EnergyPer::grown_volume;
-    u.c1 = grown ? T(G * material.c1) : T(material.c1);
-    u.c2 = grown ? T(G * material.c2) : T(material.c2);
-    u.lambda = one;
-    u.dG_dlambda = weight;
-    for (int a = 0; a < 6; ++a) {
-      const T tau = J * stress[a], ff = f[symmetric_row(a)] * f[symmetric_column(a)];
-      u.be[a] = (a < 3 ? T(tau - shift) : tau) / u.c2;
-      u.dtau_dG[a] = -(u.c2 + u.c2) * per_G * per_G * per_G * ff;
-      if (a < 3) u.dtau_dG[a] = u.dtau_dG[a] - u.c1 * per_G;
-      if (grown) u.dtau_dG[a] = u.dtau_dG[a] + tau * per_G;
-    }
-    for (int i = 0; i < 3; ++i) u.f[i] = f[i];
-    spatial_modulus(u, ddsdde, T(one / J));
-  }
-};
-
-/// Numbers of one kind of all points, `component` many each. Where component c of point i lies:
 namespace batch {
-
-/// One array per component, n (or more) apart.
-template <class V>
-struct Soa {
-  V* data;           ///< component 0 of point 0
-  std::ptrdiff_t n;  ///< how far components are apart
-  /// @cond
-  struct Place {
-    V* data;
-    std::ptrdiff_t n;
-    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c * n; }
-  };
-  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i, n}; }
-  /// @endcond
-};
-/// One point after the other.
-template <class V, int components>
-struct Aos {
-  V* data;  ///< component 0 of point 0
-  /// @cond
-  struct Place {
-    V* data;
-    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c; }
-  };
-  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i * components}; }
-  /// @endcond
-};
-/// Blocks of `block` points, a multiple of the lanes; in a block one component after the other. The fastest.
-template <class V, int components, int block = 16>
-struct Aosoa {
-  V* data;  ///< component 0 of point 0
-  /// @cond
-  struct Place {
-    V* data;
-    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c * block; }
-  };
-  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const {
-    return {data + i / block * (block * components) + i % block};
-  }
-  /// @endcond
-};
-/// The same for all points.
-template <class V>
-struct Shared {
-  V* data;  ///< component 0
-  /// @cond
-  struct Place {
-    V* data;
-    MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c; }
-  };
-  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t) const { return {data}; }
-  /// @endcond
-};
-/// Not there: what would be written is not.
-struct None {
-  /// @cond
-  struct Place {};
-  /// @endcond
-};
-
-/// The views by their names, for pointers of any kind.
-/// @{
-template <class V>
-MYOGROWTH_FUNCTION Soa<V> soa(V* data, std::ptrdiff_t n) {
-  return {data, n};
-}
-template <int components, class V>
-MYOGROWTH_FUNCTION Aos<V, components> aos(V* data) {
-  return {data};
-}
-template <int components, int block = 16, class V = double>
-MYOGROWTH_FUNCTION Aosoa<V, components, block> aosoa(V* data) {
-  return {data};
-}
-template <class V>
-MYOGROWTH_FUNCTION Shared<V> shared(V* data) {
-  return {data};
-}
-/// @}
-
-/// What goes in: F (9, column by column), n0 (3, of any length > 0), G_n, dt [time]; and, for the
-/// second-order step, lambda_n.
-template <class F_, class N0, class G_, class Dt, class Lambda = None>
-struct Input {
-  F_ F;             ///< deformation gradient at the end of the step [-]
-  N0 n0;            ///< fibre [-]
-  G_ G;             ///< sarcomere number at the beginning [-]
-  Dt dt;            ///< length of the step [time]
-  Lambda lambda{};  ///< total fibre stretch at the beginning [-]
-};
-/// @cond
-template <class F_, class N0, class G_, class Dt>
-Input(F_, N0, G_, Dt) -> Input<F_, N0, G_, Dt>;
-/// @endcond
-
-/// What comes out: stress; G; tangent; and, if asked for, scalars (5): lambda_e, lambda, J, Je, psi. G may be
-/// the place that G_n came from. Where a point has no result its G is as it was and the rest is NaN.
-template <class Stress, class G_, class Tangent_ = None, class Scalars = None>
-struct Output {
-  Stress stress;       ///< in the measure asked for [stress]
-  G_ G;                ///< sarcomere number at the end [-]
-  Tangent_ tangent{};  ///< as much of it as asked for [stress]
-  Scalars scalars{};   ///< lambda_e, lambda, J, Je [-], psi [stress]
-};
-/// @cond
-template <class Stress, class G_>
-Output(Stress, G_) -> Output<Stress, G_>;
-template <class Stress, class G_, class Tangent_>
-Output(Stress, G_, Tangent_) -> Output<Stress, G_, Tangent_>;
-/// @endcond
-
 namespace detail {
 
 using namespace myogrowth::detail;
@@ -242,21 +79,6 @@ struct Writer {
   };
   Entry operator[](int c) const { return {points, c}; }
 };
-
-template <class V, class View>
-MYOGROWTH_FUNCTION V load_one(const View& view, int c, std::ptrdiff_t i) {
-  return *view.from(i)(c);
-}
-template <class V>
-MYOGROWTH_FUNCTION V load_one(None, int, std::ptrdiff_t) {
-  return V(1);
-}
-template <class V, class View>
-MYOGROWTH_FUNCTION void store_one(const View& view, int c, std::ptrdiff_t i, V x) {
-  *view.from(i)(c) = x;
-}
-template <class V>
-MYOGROWTH_FUNCTION void store_one(None, int, std::ptrdiff_t, V) {}
 
 /// What all packs of a batch have in common.
 template <class V>
@@ -368,46 +190,11 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   dG_dlambda = select(moves, k * room / select(moves, slope, one), zero);
 }
 
-/// One point by the scalar routines.
+/// Apart, so that it does not weigh on the packs' code.
 template <Tangent tangent, Measure measure, class V, class In, class Out>
-MYOGROWTH_APART Status update_one(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
-                                  const Out& out) {
-  V F[9], n0[3];
-  for (int c = 0; c < 9; ++c) F[c] = load_one<V>(in.F, c, i);
-  for (int c = 0; c < 3; ++c) n0[c] = load_one<V>(in.n0, c, i);
-  const V G_n = load_one<V>(in.G, 0, i);
-  PointUpdate<V> u;
-  update_point(material, F, n0, G_n, load_one<V>(in.lambda, 0, i), load_one<V>(in.dt, 0, i), u);
-  V stress[9], c[36], moduli[81];
-  if constexpr (measure == Measure::cauchy) cauchy_from_kirchhoff(u.J, u.tau, stress);
-  if constexpr (measure == Measure::first_piola) first_piola_from_kirchhoff(F, u.tau, stress);
-  if constexpr (measure == Measure::second_piola) second_piola_from_kirchhoff(F, u.tau, stress);
-  constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
-  for (int k = 0; k < n_stress; ++k)
-    store_one(out.stress, k, i, u.status == Status::ok ? stress[k] : u.tau[0]);
-  store_one(out.G, 0, i, u.G);
-  const V scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
-  for (int k = 0; k < 5; ++k) store_one(out.scalars, k, i, scalars[k]);
-  if constexpr (tangent == Tangent::compact) {
-    const V compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0],
-                          u.G,    u.J};
-    for (int k = 0; k < 7; ++k) store_one(out.tangent, k, i, u.status == Status::ok ? compact[k] : u.tau[0]);
-  }
-  if constexpr (tangent == Tangent::full) {
-    constexpr int n = measure == Measure::first_piola ? 81 : 36;
-    if (u.status == Status::ok) {
-      spatial_modulus(u, c, measure == Measure::cauchy ? V(1) / u.J : V(1));
-      if constexpr (measure == Measure::first_piola) dP_dF_from_jaumann(F, u.tau, c, moduli);
-      if constexpr (measure == Measure::second_piola) dS_dE_from_jaumann(F, u.tau, c, moduli);
-    }
-    for (int k = 0; k < n; ++k) {
-      store_one(out.tangent, k, i,
-                u.status != Status::ok       ? u.tau[0]
-                : measure == Measure::cauchy ? c[k % 36]
-                                             : moduli[k]);
-    }
-  }
-  return u.status;
+MYOGROWTH_APART Status update_apart(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
+                                    const Out& out) {
+  return update_one<tangent, measure>(material, i, in, out);
 }
 
 /// N points from point i on, as one pack. Returns a bit for every lane that has to be done by update_one
@@ -584,7 +371,7 @@ std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, co
                                common, i, static_cast<int>(n - i), in, out);
     for (int lane = 0; bad != 0; ++lane, bad >>= 1) {
       if (bad & 1)
-        failed += batch::detail::update_one<tangent, measure>(material, i + lane, in, out) != Status::ok;
+        failed += batch::detail::update_apart<tangent, measure>(material, i + lane, in, out) != Status::ok;
     }
   }
   return failed;

@@ -1,0 +1,70 @@
+"""The CUDA example: its command line, the registers that ptxas gave its kernels, and a run where there is a device.
+
+check_cuda.py FOLDER [unittest arguments]: the folder in which update_points was built; every class is a ctest.
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+FOLDER = pathlib.Path(sys.argv[1]).resolve()
+CASES = [(p, t) for p in ("fp64", "fp32") for t in ("full", "compact")]
+
+
+def run(*arguments):
+    return subprocess.run([FOLDER / "update_points", *arguments], capture_output=True, text=True, timeout=300)
+
+
+class CommandLine(unittest.TestCase):
+    def test_help(self):
+        done = run("--help")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for option in ("--points", "--precision", "--tangent", "--repetitions", "--out"):
+            self.assertIn(option, done.stdout)
+
+    def test_bad_input_is_named(self):
+        for arguments, words in [(["--points", "0"], "--points 0: a whole number from 1"),
+                                 (["--points", "1.5"], "--points 1.5: a whole number"),
+                                 (["--repetitions", "many"], "--repetitions many: a whole number"),
+                                 (["--precision", "fp16"], "--precision fp16: must be fp64, fp32 or all"),
+                                 (["--tangent", "none"], "--tangent none: must be full, compact or all"),
+                                 (["--out"], "--out needs a value"), (["--device"], "no option --device")]:
+            done = run(*arguments)
+            self.assertEqual((done.returncode, done.stdout), (1, ""), arguments)
+            self.assertIn(words, done.stderr)
+
+
+class Registers(unittest.TestCase):
+    def test_nothing_spilled(self):
+        kernels = re.findall(r"Compiling entry function '(\w+)' for '(sm_\d+)'\n.*\n *(\d+) bytes stack frame, "
+                             r"(\d+) bytes spill stores, (\d+) bytes spill loads\n.*Used (\d+) registers",
+                             (FOLDER / "ptxas.txt").read_text())
+        self.assertEqual(len(kernels), 2 * len(CASES))
+        for name, architecture, stack, stores, loads, registers in kernels:
+            print(f"{architecture} {name}: {registers} registers, {stack} bytes of stack")
+            self.assertEqual((stack, stores, loads), ("0", "0", "0"), name)
+
+
+class Device(unittest.TestCase):
+    def test_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "results.json"
+            done = run("--points", "100000", "--repetitions", "3", "--out", out)
+            if "no CUDA device" in done.stderr:
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertFalse(out.exists())
+                print("no CUDA device: the error is as it should be, nothing was run")
+                return
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            rows = json.loads(out.read_text())
+            self.assertEqual([(r["precision"], r["tangent"]) for r in rows], CASES)
+            for row in rows:
+                self.assertAlmostEqual(row["bytes_per_second"], row["points_per_second"] * row["bytes_per_point"], delta=1e9)
+                self.assertEqual(row["points_without_result"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1] + sys.argv[2:])
