@@ -51,7 +51,7 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
 
 // Of DFGRD1, what the element type has: F_33 is not given in plane stress, and all is zero in some hosts
 // without NLGEOM.
-void take_deformation(const double* dfgrd1, int ntens, double F[9]) {
+MYOGROWTH_APART void take_deformation(const double* dfgrd1, int ntens, double F[9]) {
   const bool solid = ntens == 6;
   const bool given[9] = {true, true, solid, true, true, solid, solid, solid, ntens != 3};
   for (int i = 0; i < 9; ++i) F[i] = given[i] ? dfgrd1[i] : i == 8 ? 1 : 0;
@@ -71,6 +71,17 @@ bool pack(const double* tau, const double* c, int rows, double per_J, double* st
   }
   return are_finite(stress, n) && are_finite(ddsdde, n * n);
 }
+
+// What spatial_modulus writes into, with sums that are not finite if an entry is not.
+struct Summing {
+  double* c;
+  double sums[3];
+  struct Entry {
+    double &c, &sum;
+    void operator=(double x) { c = x, sum += x; }
+  };
+  Entry operator[](int i) { return {c[i], sums[i % 3]}; }
+};
 
 void update_state(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
                   double* drplde, double* drpldt, double dtime, int ntens, int nstatv, const double* props,
@@ -94,11 +105,15 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
 
   if (properties.hybrid) J_hat = stress + ntens;
 
-  double F[9];
-  take_deformation(dfgrd1, ntens, F);
-  if (properties.local_basis && !left_stretch(F, F)) {  // det F <= 0, or not finite
-    fail("inverted or not finite: F must be finite and det F > 0");
-    return;
+  double taken[9];
+  const double* F = dfgrd1;
+  if (ntens != 6 || F[0] == 0 || properties.local_basis) {
+    take_deformation(dfgrd1, ntens, taken);
+    F = taken;
+    if (properties.local_basis && !left_stretch(taken, taken)) {  // det F <= 0, or not finite
+      fail("inverted or not finite: F must be finite and det F > 0");
+      return;
+    }
   }
 
   PointUpdate<double> u;
@@ -126,9 +141,10 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) == Status::ok) {
     const double per_J = 1 / u.J;
     if (ntens == 6) {
-      spatial_modulus(u, ddsdde, per_J);
-      for (int i = 0; i < 6; ++i) stress[i] = u.tau[i] * per_J;
-      finite = are_finite(ddsdde, 36) && are_finite(stress, 6);
+      Summing summing{ddsdde, {0, 0, 0}};
+      spatial_modulus(u, summing, per_J);
+      for (int i = 0; i < 6; ++i) summing.sums[i % 3] += stress[i] = u.tau[i] * per_J;
+      finite = are_finite(summing.sums, 3) || (are_finite(ddsdde, 36) && are_finite(stress, 6));
     } else {
       spatial_modulus(u, c, per_J);
       for (int i = 0; i < 6; ++i) u.tau[i] *= per_J;

@@ -171,10 +171,10 @@ void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G,
   const bool grown = material.energy == EnergyPer::grown_volume;
   const T per_G = one / G;
   const T G_minus_1 = G - one;
-  const T ln_Je = log1p(T((d.J_minus_1 - G_minus_1) * per_G));
+  const T ln_Je = ln_1_plus(T((d.J_minus_1 - G_minus_1) * per_G));
   out.G = G;
-  out.lambda_e = d.lambda / G;
-  out.Je = (one + d.J_minus_1) / G;
+  out.lambda_e = d.lambda * per_G;
+  out.Je = (one + d.J_minus_1) * per_G;
   out.c1 = grown ? T(G * material.c1) : T(material.c1);
   out.c2 = grown ? T(G * material.c2) : T(material.c2);
   const T pressure = out.c1 * ln_Je;
@@ -228,8 +228,10 @@ Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
   out.iterations = step.iterations;
   detail::stress(material, d, step.G, out);
 
-  if (!are_finite(out.tau, 6) || !are_finite(out.dtau_dG, 6) || !is_finite(out.psi) ||
-      !is_finite(out.lambda_e))
+  V sum = value(out.psi) + value(out.lambda_e);
+  for (int i = 0; i < 6; ++i) sum += value(out.tau[i]) + value(out.dtau_dG[i]);
+  if (!is_finite(sum) && !(are_finite(out.tau, 6) && are_finite(out.dtau_dG, 6) && is_finite(out.psi) &&
+                           is_finite(out.lambda_e)))
     return detail::fail(Status::not_finite, G_n, out);
   out.status = Status::ok;
   return out.status;

@@ -31,7 +31,6 @@
 #if !defined(MYOGROWTH_FLAT)
 #define MYOGROWTH_FLAT __attribute__((flatten))
 #endif
-#define MYOGROWTH_APART __attribute__((noinline))
 
 namespace myogrowth {
 namespace simd {
@@ -420,14 +419,10 @@ typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& err
   const P k = number(exponent | F::magic) - number(Bits{} + F::magic) - P(V(F::bias));
   const P per_2k = number((static_cast<Unsigned>(2 * F::bias) - exponent) << F::digits);
   const P f = (m - P(V(1))) + error * per_2k;
-  // ln(1 + f) = 2 artanh(s) = f - (f^2/2 - s (f^2/2 + z Q(z))); Q by Chebyshev interpolation, error 3e-16
-  static constexpr double Q[] = {0.14616585424888621989, 0.15331710618210771568, 0.18182889455674946039,
-                                 0.22222211130259877029, 0.28571428626003268742, 0.39999999999899443233,
-                                 0.66666666666666696883};
   const P s = f / (P(V(2)) + f);
   const P z = s * s;
   const P half_square = P(V(0.5)) * f * f;
-  const P r = z * horner(z, Q, 7);
+  const P r = z * horner(z, LogarithmSeries<>::Q, 7);
   const P small = half_square - (s * (half_square + r) + k * P(F::ln2_low));
   return (k * P(F::ln2_high) - (small - f)).v[0];
 }
@@ -499,6 +494,11 @@ Pack<V, N> pow(const Pack<V, N>& x, V exponent) {
   if (exponent == 0) return one;
   const auto positive = x > zero;
   return select(positive, exp(log(select(positive, x, one)) * P(exponent)), zero);
+}
+
+template <class V, int N>
+Pack<V, N> ln_1_plus(const Pack<V, N>& x) {
+  return log1p(x);
 }
 
 /// Whether nothing is carried in any lane.
