@@ -138,7 +138,7 @@ inline bool find_state_fault(const double* statev, int nstatev, double (&n0)[3],
   }
   if (keeps_fibre(nstatev)) {
     const double* fibre = statev + fibre_entry;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3 && !is_finite(fibre[0] + fibre[1] + fibre[2]); ++i) {
       if (!is_finite(fibre[i])) {
         return tell(text, "STATEV(%d) = %.9g on entry: the fibre direction must be finite.",
                     fibre_entry + i + 1, fibre[i]);

@@ -72,22 +72,24 @@ bool pack(const double* tau, const double* c, int rows, double per_J, double* st
   return are_finite(stress, n) && are_finite(ddsdde, n * n);
 }
 
-// What spatial_modulus writes into, with sums that are not finite if an entry is not.
-struct Summing {
-  double* c;
-  double sums[3];
-  struct Entry {
-    double &c, &sum;
-    void operator=(double x) { c = x, sum += x; }
-  };
-  Entry operator[](int i) { return {c[i], sums[i % 3]}; }
-};
+// Sums of DDSDDE(6,6), which are not finite if an entry is not.
+double sum(const double* ddsdde) {
+  double sums[4] = {};
+  for (int i = 0; i < 9; ++i) {
+    for (int k = 0; k < 4; ++k) sums[k] += ddsdde[4 * i + k];
+  }
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
 
 void update_state(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
                   double* drplde, double* drpldt, double dtime, int ntens, int nstatv, const double* props,
                   int nprops, double* pnewdt, const double* dfgrd1) {
   *rpl = *drpldt = 0;
-  for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
+  if (ntens == 6) {
+    for (int i = 0; i < 6; ++i) ddsddt[i] = drplde[i] = 0;
+  } else {
+    for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
+  }
 
   const double* J_hat = nullptr;              // STRESS(NTENS+1), in a mixed element
   const auto fail = [&](const char* fault) {  // STATEV is still as it came in, wherever this is called
@@ -141,10 +143,10 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) == Status::ok) {
     const double per_J = 1 / u.J;
     if (ntens == 6) {
-      Summing summing{ddsdde, {0, 0, 0}};
-      spatial_modulus(u, summing, per_J);
-      for (int i = 0; i < 6; ++i) summing.sums[i % 3] += stress[i] = u.tau[i] * per_J;
-      finite = are_finite(summing.sums, 3) || (are_finite(ddsdde, 36) && are_finite(stress, 6));
+      spatial_modulus(u, ddsdde, per_J);
+      double all = sum(ddsdde);
+      for (int i = 0; i < 6; ++i) all += stress[i] = u.tau[i] * per_J;
+      finite = is_finite(all) || (are_finite(ddsdde, 36) && are_finite(stress, 6));
     } else {
       spatial_modulus(u, c, per_J);
       for (int i = 0; i < 6; ++i) u.tau[i] *= per_J;

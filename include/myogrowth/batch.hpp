@@ -242,24 +242,15 @@ void store_one(None, int, std::ptrdiff_t, V) {}
 template <class V>
 struct Common {
   const FibreGrowth<V>& material;
-  const Exponent<V> to_gamma, to_gamma_minus_1;
+  const Exponent<V> to_gamma;
   const V per_time, per_width, per_crit;
-  const V most_of_G, most_of_room;  ///< of what a last Newton step may be: is_last_step, growth_solve.hpp
 
   explicit Common(const FibreGrowth<V>& m)
       : material(m),
         to_gamma(m.growth.gamma),
-        to_gamma_minus_1(m.growth.gamma - V(1)),
         per_time(V(1) / m.growth.growth_time),
         per_width(V(1) / (m.growth.G_max - V(1))),
-        per_crit(V(1) / m.growth.lambda_crit),
-        most_of_G(std::numeric_limits<V>::epsilon() / of_room()),
-        most_of_room(2 * of_room() / (V(1) + m.growth.gamma)) {}
-
- private:
-  static constexpr V of_room() {
-    return V(1) / static_cast<V>(1ll << ((std::numeric_limits<V>::digits - 1) / 3));
-  }
+        per_crit(V(1) / m.growth.lambda_crit) {}
 };
 
 /// The start of a long step (growth_solve.hpp), lane by lane.
@@ -305,36 +296,38 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   }
   P end = lambda * P(common.per_crit);
   end = select(end < limit, end, limit);
-  const P q_n = lambda - crit * G_n, gamma_per_room = gamma * per_room;
-
-  // The start: Bernoulli's, or that of a long step.
-  const P b = E * G_n + A * (crit + gamma_per_room * q_n), c = A * q_n;
-  const P discriminant = b * b + P(V(4)) * (E - A * gamma_per_room * crit) * c;
-  // (A hair less keeps it before the root in spite of the rough quotient.)
-  const P hair(sizeof(V) == 8 ? V(1 - 1e-7) : V(1 - 1e-3));
-  const P way = rough_quotient(c + c, b + sqrt(select(discriminant > zero, discriminant, zero)));
-  P G = G_n + way * hair;
+  // fourth_order_step, growth_solve.hpp
+  const P g1 = gamma * per_room, g2 = g1 * (g1 - per_room) * P(V(0.5)),
+          g3 = g2 * (g1 - (per_room + per_room)) * P(V(1.0 / 3));
+  const auto step_from = [&](const P& G, const P& x, const P& k) {
+    const P kq = k * (lambda - crit * G), kc = k * crit * x;
+    const P f = kq - E * G * (G - G_n);
+    const P b = (kc + E * (G + G - G_n) * x) + g1 * kq;
+    const P a2 = (E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq;
+    return std::make_pair(x * f * (b * b + a2 * f), b * b * b + f * ((a2 + a2) * b + a3 * f));
+  };
+  const auto first = step_from(G_n, one, A);
+  P G = G_n + rough_quotient(first.first, first.second);
+  const P c = A * (lambda - crit * G_n);
   const auto is_long = grows & (c > E * G_n * (end - G_n));
   if (any(is_long)) G = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G);
-  G = select(G < end, G, select(is_long, end, G_n));
+  G = select((G_n < G) & (G < end), G, select(is_long, end, G_n));
 
-  const P most_of_G(common.most_of_G), most_of_room(common.most_of_room);
+  const P epsilon_(epsilon), at_end(256 * epsilon), gamma_plus_1(V(1) + rate.gamma);
   Mask<V, N> active = grows;
   constexpr int patience = 24;
   for (int iteration = 0; iteration < patience && any(active); ++iteration) {
-    const P room = limit - G;
-    const P x = room * per_room;
-    const P k_over_x = A * common.to_gamma_minus_1(x);
-    const P k = k_over_x * x, q = lambda - crit * G;
-    const P to_do = k * q - E * G * (G - G_n);
-    const P slope = E * (G + G - G_n) + gamma_per_room * k_over_x * q + k * crit;
-    const P step =
-        rough_quotient(to_do * G, slope * G + to_do);  // corrected by the next, or beyond all digits
+    const P room = limit - G, x = room * per_room;
+    const auto quotient = step_from(G, x, A * common.to_gamma(x));
+    const P step = near_quotient(quotient.first, quotient.second);  // a last one is below 1e-4 G
     const P next = G + step;
-    const auto inside = next < end;
-    // A lane that is done stays as it is, whatever its neighbours do. (Below G: rounding.)
-    G = select(active & (next > G), select(inside, next, end), G);
-    active = active & inside & !((step <= most_of_G * next) & (step <= most_of_room * room));
+    const P unit = next * room, s = step * (gamma_plus_1 * next + room);
+    const auto last = (s * s * (s * step) < epsilon_ * next * (unit * unit * unit)) | (end - G <= at_end * end);
+    // A lane that is done stays as it is, whatever its neighbours do. One that leaves the bracket is taken half
+    // the way, to the end itself if that is next to it.
+    const P half_way = select(last, end, P(V(0.5)) * (G + end));
+    G = select(active, select(next < end, select(G_n < next, next, G), half_way), G);
+    active = active & !last;
   }
   left = active | (grows & !in_range);
 
@@ -405,9 +398,10 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
   const Points<V, N, std::decay_t<decltype(out.tangent)>> tangent_out(out.tangent, i);
   const Points<V, N, std::decay_t<decltype(out.scalars)>> scalars_out(out.scalars, i);
   const P zero(V(0)), one(V(1));
-  P F[9], n[3];
-  for (int c = 0; c < 9; ++c) F[c] = F_in.load(c);
-  for (int c = 0; c < 3; ++c) n[c] = n_in.load(c);
+  // (Not by a loop, which g++ would send through the stack, twice.)
+  const P F[9] = {F_in.load(0), F_in.load(1), F_in.load(2), F_in.load(3), F_in.load(4),
+                  F_in.load(5), F_in.load(6), F_in.load(7), F_in.load(8)};
+  P n[3] = {n_in.load(0), n_in.load(1), n_in.load(2)};
   const P G_n = G_in.load(0), dt = dt_in.load(0);
 
   // As normalise() has it; a vector so short or long that its square is out of range is left to that.

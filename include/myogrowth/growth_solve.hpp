@@ -146,10 +146,9 @@ V fourth_order_step(const BracketedEquation<V, sign>& eq, V G, V x, V k) {
           g3 = g2 * (g1 - 2 * eq.per_room) * V(1.0 / 3);
   const V kq = k * eq.q(eq.lambda, G), kc = k * eq.crit * x;
   const V f = kq - eq.done(G, eq.G_n);
-  const V b = g1 * kq + kc + eq.E * (G + G - eq.G_n) * x;
-  const V a2 = sign * eq.E * (x * x) - (g2 * kq + g1 * kc), a3 = g3 * kq + g2 * kc;
-  const V b_b = b * b, a2_f = a2 * f;
-  return x * f * (b_b + a2_f) / (b * (b_b + 2 * a2_f) + a3 * (f * f));
+  const V b = (kc + eq.E * (G + G - eq.G_n) * x) + g1 * kq;
+  const V a2 = (sign * eq.E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq;
+  return x * f * (b * b + a2 * f) / (b * b * b + f * ((a2 + a2) * b + a3 * f));
 }
 
 /// Whether rounding is all that is left after such a step: what it leaves is well below C^3 step^4 where

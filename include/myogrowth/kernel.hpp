@@ -74,6 +74,27 @@ struct PointUpdate {
   T dtau_dG[6];  ///< its derivative with respect to G at fixed F [stress]
 };
 
+template <class T>
+bool normalise(const T n0[3], T unit[3]);
+
+namespace detail {
+
+/// The same where the square of the length is out of range.
+template <class T>
+MYOGROWTH_APART bool normalise_scaled(const T n0[3], T unit[3]) {
+  Real<T> largest(0);
+  for (int i = 0; i < 3; ++i) {
+    if (!is_finite(n0[i])) return false;
+    const Real<T> length = value(n0[i]) < 0 ? -value(n0[i]) : value(n0[i]);
+    if (length > largest) largest = length;
+  }
+  if (!(largest > 0)) return false;
+  const T scaled[3] = {n0[0] / largest, n0[1] / largest, n0[2] / largest};
+  return normalise(scaled, unit);
+}
+
+}  // namespace detail
+
 /// Makes n0 of any length a unit vector. False if it has no direction (zero, NaN or infinite).
 /// A vector that is of unit length to rounding comes back bit for bit.
 template <class T>
@@ -82,20 +103,16 @@ bool normalise(const T n0[3], T unit[3]) {
   using Limits = std::numeric_limits<V>;
   const T square = n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2];
   const V size = value(square);
-  if (!(size > Limits::min() / Limits::epsilon() && size <= Limits::max())) {  // the square is out of range
-    V largest(0);
-    for (int i = 0; i < 3; ++i) {
-      if (!is_finite(n0[i])) return false;
-      const V length = value(n0[i]) < 0 ? -value(n0[i]) : value(n0[i]);
-      if (length > largest) largest = length;
-    }
-    if (!(largest > 0)) return false;
-    const T scaled[3] = {n0[0] / largest, n0[1] / largest, n0[2] / largest};
-    return normalise(scaled, unit);
+  if (!(size > Limits::min() / Limits::epsilon() && size <= Limits::max())) {
+    return detail::normalise_scaled(n0, unit);
   }
   constexpr V rounding = 4 * Limits::epsilon();
   const bool is_unit = std::is_same<T, V>::value && -rounding <= size - 1 && size - 1 <= rounding;
-  const T per_length = is_unit ? T(V(1)) : T(V(1) / sqrt(square));
+  if (is_unit) {
+    for (int i = 0; i < 3; ++i) unit[i] = n0[i];
+    return true;
+  }
+  const T per_length = V(1) / sqrt(square);
   for (int i = 0; i < 3; ++i) unit[i] = n0[i] * per_length;
   return true;
 }
@@ -103,7 +120,7 @@ bool normalise(const T n0[3], T unit[3]) {
 namespace detail {
 
 template <class T>
-Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
+MYOGROWTH_APART Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
   const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
   out.status = status;
   out.iterations = 0;
@@ -171,7 +188,8 @@ void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G,
   const bool grown = material.energy == EnergyPer::grown_volume;
   const T per_G = one / G;
   const T G_minus_1 = G - one;
-  const T ln_Je = ln_1_plus(T((d.J_minus_1 - G_minus_1) * per_G));
+  const T J_minus_G = d.J_minus_1 - G_minus_1;
+  const T ln_Je = ln_1_plus(T(J_minus_G * per_G), J_minus_G, G);
   out.G = G;
   out.lambda_e = d.lambda * per_G;
   out.Je = (one + d.J_minus_1) * per_G;
@@ -204,8 +222,8 @@ void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G,
 /// lambda_n: total fibre stretch at the beginning of the step, 1 if nothing has been deformed yet; only the
 /// midpoint flow uses it (with parameters that are plain numbers).
 template <class T, class P>
-Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n,
-                    const T& lambda_n, const P& dt, PointUpdate<T>& out) {
+MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3], const T& G_n,
+                                   const T& lambda_n, const P& dt, PointUpdate<T>& out) {
   using V = Real<T>;
   if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(Status::not_finite, G_n, out);
   if (!(value(G_n) > 0)) return detail::fail(Status::bad_state, G_n, out);

@@ -9,7 +9,6 @@
 #define MYOGROWTH_SIMD_HPP
 
 #include <cstdint>
-#include <cstring>
 
 #include "scalar.hpp"
 
@@ -19,30 +18,18 @@
 #include <arm_neon.h>
 #endif
 
-/// All that a function calls is put into it; never put into others. The packs' code is fast as one piece
-/// alone. (Not with the sanitizers: compilers take many minutes for such a piece.)
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define MYOGROWTH_FLAT
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define MYOGROWTH_FLAT
-#endif
-#endif
-#if !defined(MYOGROWTH_FLAT)
-#define MYOGROWTH_FLAT __attribute__((flatten))
-#endif
-
 namespace myogrowth {
 namespace simd {
 
-/// Registers of N lanes of V, of N integers of the same size, and the constants of V's format. (g++ 12 takes
-/// vector_size with sizes that depend on a template for scalars, hence the list.)
+/// Registers of N lanes of V (`InMemory`: wherever V may lie), of N integers of the same size, and the constants
+/// of V's format. (g++ 12 takes vector_size with sizes that depend on a template for scalars, hence the list.)
 template <class V, int N>
 struct Register;
 #define MYOGROWTH_REGISTER(V, Integer, N)                                 \
   template <>                                                             \
   struct Register<V, N> {                                                 \
     typedef V Lanes __attribute__((vector_size(sizeof(V) * N)));          \
+    typedef V InMemory __attribute__((vector_size(sizeof(V) * N), aligned(sizeof(V)), may_alias)); \
     typedef Integer Integers __attribute__((vector_size(sizeof(V) * N))); \
     using Unsigned = std::make_unsigned_t<Integer>;                       \
     typedef Unsigned Bits __attribute__((vector_size(sizeof(V) * N)));    \
@@ -79,21 +66,24 @@ template <class V, int N>
 struct Pack {
   static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>, parts = N / width;
   using Lanes = typename Register<V, width>::Lanes;
+  using InMemory = typename Register<V, width>::InMemory;
   Lanes v[parts];
 
   Pack() = default;
   /// The same in every lane.
   Pack(V x) {
-    for (Lanes& part : v) part = Lanes{} + x;
+    for (Lanes& part : v) part = x - Lanes{};  // (0 + x is not -0 for -0, and so an addition)
   }
 
   /// From and to N numbers one after the other.
   static Pack load(const V* from) {
     Pack p;
-    std::memcpy(&p.v, from, sizeof p.v);
+    for (int k = 0; k < parts; ++k) p.v[k] = *reinterpret_cast<const InMemory*>(from + k * width);
     return p;
   }
-  void store(V* to) const { std::memcpy(to, &v, sizeof v); }
+  void store(V* to) const {
+    for (int k = 0; k < parts; ++k) *reinterpret_cast<InMemory*>(to + k * width) = v[k];
+  }
   V operator[](int lane) const { return v[lane / width][lane % width]; }
   void set(int lane, V x) { v[lane / width][lane % width] = x; }
   /// One of its registers.
@@ -344,6 +334,25 @@ typename Pack<V, N>::Lanes divide(const Pack<V, N>& a, const Pack<V, N>& b) {
   return a.v[0] / b.v[0];
 }
 
+/// a/b to 12 digits (7 for float), where the target has that for less.
+template <class V, int N>
+Pack<V, N> near_quotient(const Pack<V, N>& a, const Pack<V, N>& b) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof a.v[0] == 64) {
+    using detail::fused;
+    const auto one = Pack<V, N>(V(1)).v[0];
+    Pack<V, N> c;
+    for (int k = 0; k < c.parts; ++k) {
+      const auto r = detail::rough_reciprocal(b.v[k], V());  // good to 14 bits
+      const auto e = detail::fused_minus(b.v[k], r, one, V()), ar = a.v[k] * r;
+      c.v[k] = sizeof(V) == 8 ? fused(ar, fused(e, e, e, V()), ar, V()) : fused(ar, e, ar, V());  // to 42, 28
+    }
+    return c;
+  }
+#endif
+  return a / b;
+}
+
 /// a/b to 8 digits (4 for float), where the target has that for less.
 template <class V, int N>
 Pack<V, N> rough_quotient(const Pack<V, N>& a, const Pack<V, N>& b) {
@@ -496,9 +505,14 @@ Pack<V, N> pow(const Pack<V, N>& x, V exponent) {
   return select(positive, exp(log(select(positive, x, one)) * P(exponent)), zero);
 }
 
+/// ln(1 + d/G) for x = d/G, by the series alone where that is enough (scalar.hpp).
 template <class V, int N>
-Pack<V, N> ln_1_plus(const Pack<V, N>& x) {
-  return log1p(x);
+Pack<V, N> ln_1_plus(const Pack<V, N>& x, const Pack<V, N>& d, const Pack<V, N>& G) {
+  using P = Pack<V, N>;
+  const P s = d / (G + G + d), z = s * s, half_square = P(V(0.5)) * x * x;
+  const P y = x - (half_square - s * (half_square + z * detail::horner(z, LogarithmSeries<>::Q, 7)));
+  const auto outside = !((x > P(V(-0.29))) & (x < P(V(0.41))));
+  return any(outside) ? select(outside, log1p(x), y) : y;
 }
 
 /// Whether nothing is carried in any lane.
