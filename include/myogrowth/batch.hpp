@@ -10,12 +10,14 @@
 ///   myogrowth::batch::Output out{soa(stress, n), soa(G, n), soa(ddsdde, n)};
 ///   std::ptrdiff_t failed = update_batch<Tangent::full>(material, n, in, out);
 ///
-/// Points are independent: give parts of them to threads as you like. Compile with the target's flags (-mavx2
-/// -mfma, -march=native, ...) and -O3; contraction to fused multiply-adds is welcome.
+/// Materials in the place of the material gives every point its own. Points are independent: give parts of
+/// them to threads as you like. Compile with the target's flags (-mavx2 -mfma, -march=native, ...) and -O3;
+/// contraction to fused multiply-adds is welcome.
 #ifndef MYOGROWTH_BATCH_HPP
 #define MYOGROWTH_BATCH_HPP
 
 #include <cstddef>
+#include <utility>
 
 #include "kernel.hpp"
 #include "measures.hpp"
@@ -136,6 +138,13 @@ template <class V>
 Shared<V> shared(V* data) {
   return {data};
 }
+
+/// Materials of points: that of point i is data[index[i]].
+template <class V, class Index>
+struct Materials {
+  const FibreGrowth<V>* data;
+  const Index* index;
+};
 
 /// What goes in: F (9, column by column), n0 (3, of any length > 0), G_n, dt [time]; and, for the
 /// second-order step, lambda_n.
@@ -322,9 +331,10 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
     const P step = near_quotient(quotient.first, quotient.second);  // a last one is below 1e-4 G
     const P next = G + step;
     const P unit = next * room, s = step * (gamma_plus_1 * next + room);
-    const auto last = (s * s * (s * step) < epsilon_ * next * (unit * unit * unit)) | (end - G <= at_end * end);
-    // A lane that is done stays as it is, whatever its neighbours do. One that leaves the bracket is taken half
-    // the way, to the end itself if that is next to it.
+    const auto last =
+        (s * s * (s * step) < epsilon_ * next * (unit * unit * unit)) | (end - G <= at_end * end);
+    // A lane that is done stays as it is, whatever its neighbours do. One that leaves the bracket is taken
+    // half the way, to the end itself if that is next to it.
     const P half_way = select(last, end, P(V(0.5)) * (G + end));
     G = select(active, select(next < end, select(G_n < next, next, G), half_way), G);
     active = active & !last;
@@ -539,6 +549,25 @@ MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i
   return bad & ~(~0u << points);
 }
 
+/// The points [first, last), of one material.
+template <Tangent tangent, Measure measure, int lanes, class V, class In, class Out>
+std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first, std::ptrdiff_t last,
+                            const In& in, const Out& out) {
+  const Common<V> common(material);
+  std::ptrdiff_t failed = 0;
+  for (std::ptrdiff_t i = first, next; i < last; i = next) {
+    next = (i / lanes + 1) * lanes;  // whole packs lie within a block
+    if (next > last) next = last;
+    unsigned bad = next - i == lanes ? update_pack<tangent, measure, lanes>(common, i, in, out)
+                                     : update_padded<tangent, measure, lanes>(
+                                           common, i, static_cast<int>(next - i), in, out);
+    for (int lane = 0; bad != 0; ++lane, bad >>= 1) {
+      if (bad & 1) failed += update_one<tangent, measure>(material, i + lane, in, out) != Status::ok;
+    }
+  }
+  return failed;
+}
+
 }  // namespace detail
 }  // namespace batch
 
@@ -547,19 +576,25 @@ MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
-  static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   constexpr int lanes = N > 0 ? N : 2 * simd::native_lanes<V>;
-  const batch::detail::Common<V> common(material);
+  static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
+  return batch::detail::update_range<tangent, measure, lanes>(material, 0, n, in, out);
+}
+
+/// The same for points of many materials. Every run of points of one material is done by packs of its own:
+/// let the points of a material lie together.
+template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class Index,
+          class In, class Out>
+std::ptrdiff_t update_batch(const batch::Materials<V, Index>& materials, std::ptrdiff_t n, const In& in,
+                            const Out& out) {
+  constexpr int lanes = N > 0 ? N : 2 * simd::native_lanes<V>;
+  static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   std::ptrdiff_t failed = 0;
-  for (std::ptrdiff_t i = 0; i < n; i += lanes) {
-    const bool whole = n - i >= lanes;
-    unsigned bad = whole ? batch::detail::update_pack<tangent, measure, lanes>(common, i, in, out)
-                         : batch::detail::update_padded<tangent, measure, lanes>(
-                               common, i, static_cast<int>(n - i), in, out);
-    for (int lane = 0; bad != 0; ++lane, bad >>= 1) {
-      if (bad & 1)
-        failed += batch::detail::update_one<tangent, measure>(material, i + lane, in, out) != Status::ok;
-    }
+  for (std::ptrdiff_t first = 0, last; first < n; first = last) {
+    const Index which = materials.index[first];
+    for (last = first + 1; last < n && materials.index[last] == which;) ++last;
+    failed +=
+        batch::detail::update_range<tangent, measure, lanes>(materials.data[which], first, last, in, out);
   }
   return failed;
 }

@@ -37,7 +37,8 @@ struct GrowthEquation {
   P limit, gamma, crit;  ///< G_max or G_min, and the exponent and threshold that go with it
   P A, E;
   Exponent<P> to_gamma;
-  Real<P> room_n, per_room;  ///< sign (limit - G_n), the unit in which what is left is measured, and 1 over it
+  Real<P> room_n,
+      per_room;  ///< sign (limit - G_n), the unit in which what is left is measured, and 1 over it
 
   /// growth_time: tau or tau_rev. width: limit's distance from where the capacity is 1.
   GrowthEquation(const P& limit_, const P& gamma_, const P& crit_, const P& width, const P& dt,
@@ -128,14 +129,16 @@ struct BracketedEquation : GrowthEquation<V, sign> {
 };
 
 /// Whether rounding is all that is left after this step. Newton's method leaves step^2 R''/(2 R'), and R''/R'
-/// is at most 2 gamma/room + 2/G (a little more in k, for gamma < 1): less than half of G's last place is left.
+/// is at most 2 gamma/room + 2/G (a little more in k, for gamma < 1): less than half of G's last place is
+/// left.
 template <class V>
 bool is_last_step(V step, V G, V room, V gamma) {
   return step * step * ((1 + gamma) * G + room) < std::numeric_limits<V>::epsilon() / 4 * G * G * room;
 }
 
 /// What is left of the way to the root, sign (root - G), by Householder's method of order four, from either
-/// side. In units t of room(G), k (1 - g t)^gamma and its three derivatives need no division, and done - k q is
+/// side. In units t of room(G), k (1 - g t)^gamma and its three derivatives need no division, and done - k q
+/// is
 ///
 ///   -f + b t + a2 t^2 + a3 t^3 + ...
 ///
@@ -203,9 +206,9 @@ MYOGROWTH_APART V bisect(const BracketedEquation<V, sign>& eq, V G, V end, int& 
 }
 
 /// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, monotone from G_n's side; if the start may
-/// lie behind the root, the first step leads there. A Newton step in k is one in G with the room left, room^gamma being
-/// proportional to k, shortened by its own factor. (For removal with 0 < gamma < 1 of more than half of G_n
-/// the step may pass the root, and bisection takes over.)
+/// lie behind the root, the first step leads there. A Newton step in k is one in G with the room left,
+/// room^gamma being proportional to k, shortened by its own factor. (For removal with 0 < gamma < 1 of more
+/// than half of G_n the step may pass the root, and bisection takes over.)
 template <class V, int sign>
 MYOGROWTH_APART V newton(const BracketedEquation<V, sign>& eq, V G, bool may_be_behind, int& iterations) {
   constexpr int patience = 64;  // three times what gamma = 20 takes
@@ -252,7 +255,8 @@ V growth_root(const BracketedEquation<V, sign>& eq, int& iterations) {
   // Else two steps of higher order are mostly all it takes; what they leave is Newton's.
   V G = eq.G_n + sign * fourth_order_step(eq, eq.G_n, V(1), eq.A);
   if (!(eq.before(eq.G_n, G) && eq.before(G, eq.end))) G = eq.G_n;
-  const V room = eq.room(G), x = room * eq.per_room, step = fourth_order_step(eq, G, x, eq.A * eq.to_gamma(x));
+  const V room = eq.room(G), x = room * eq.per_room,
+          step = fourth_order_step(eq, G, x, eq.A * eq.to_gamma(x));
   const V next = G + sign * step;
   iterations = 1;
   if (is_last_fourth_order_step(step, next, room, eq.gamma)) return next;

@@ -65,8 +65,8 @@ std::complex<R> log1p(const std::complex<R>& z) {
   return {log1p(x * (2 + x) + y * y) / 2, std::atan2(y, 1 + x)};
 }
 
-/// ln(1 + f) = 2 artanh(s), s = f/(2 + f), for 1 + f from sqrt(1/2) to sqrt(2): with z = s^2 and h = f^2/2 it is
-/// f - (h - s (h + z Q(z))). Q by Chebyshev interpolation, error 3e-16; these are its coefficients.
+/// ln(1 + f) = 2 artanh(s), s = f/(2 + f), for 1 + f from sqrt(1/2) to sqrt(2): with z = s^2 and h = f^2/2 it
+/// is f - (h - s (h + z Q(z))). Q by Chebyshev interpolation, error 3e-16; these are its coefficients.
 template <class Unused = void>
 struct LogarithmSeries {
   static constexpr double Q[7] = {0.14616585424888621989, 0.15331710618210771568, 0.18182889455674946039,

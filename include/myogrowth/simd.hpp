@@ -21,18 +21,19 @@
 namespace myogrowth {
 namespace simd {
 
-/// Registers of N lanes of V (`InMemory`: wherever V may lie), of N integers of the same size, and the constants
-/// of V's format. (g++ 12 takes vector_size with sizes that depend on a template for scalars, hence the list.)
+/// Registers of N lanes of V (`InMemory`: wherever V may lie), of N integers of the same size, and the
+/// constants of V's format. (g++ 12 takes vector_size with sizes that depend on a template for scalars, hence
+/// the list.)
 template <class V, int N>
 struct Register;
-#define MYOGROWTH_REGISTER(V, Integer, N)                                 \
-  template <>                                                             \
-  struct Register<V, N> {                                                 \
-    typedef V Lanes __attribute__((vector_size(sizeof(V) * N)));          \
+#define MYOGROWTH_REGISTER(V, Integer, N)                                                          \
+  template <>                                                                                      \
+  struct Register<V, N> {                                                                          \
+    typedef V Lanes __attribute__((vector_size(sizeof(V) * N)));                                   \
     typedef V InMemory __attribute__((vector_size(sizeof(V) * N), aligned(sizeof(V)), may_alias)); \
-    typedef Integer Integers __attribute__((vector_size(sizeof(V) * N))); \
-    using Unsigned = std::make_unsigned_t<Integer>;                       \
-    typedef Unsigned Bits __attribute__((vector_size(sizeof(V) * N)));    \
+    typedef Integer Integers __attribute__((vector_size(sizeof(V) * N)));                          \
+    using Unsigned = std::make_unsigned_t<Integer>;                                                \
+    typedef Unsigned Bits __attribute__((vector_size(sizeof(V) * N)));                             \
   };
 MYOGROWTH_REGISTER(double, std::int64_t, 2)
 MYOGROWTH_REGISTER(double, std::int64_t, 4)

@@ -77,9 +77,9 @@ struct Config {
 };
 
 /// What update_batch returns; G goes where it came from if in_place.
-template <class C, class V = typename C::V>
-std::ptrdiff_t run(const FibreGrowth<V>& muscle, const std::vector<Point<V>>& points,
-                   std::vector<Result<V>>& results, bool in_place = false) {
+template <class C, class Muscle, class V = typename C::V>
+std::ptrdiff_t run(const Muscle& muscle, const std::vector<Point<V>>& points, std::vector<Result<V>>& results,
+                   bool in_place = false) {
   const auto n = static_cast<std::ptrdiff_t>(points.size());
   constexpr Layout layout = C::layout;
   Array<layout, 9, V> F(n, 0);
@@ -362,6 +362,32 @@ TYPED_TEST(Batch, APointsBitsAreItsOwn) {
           ASSERT_TRUE(same_bits(results[i], alone[which[i]]))
               << "point " << which[i] << " at " << i << " of " << n << " sample " << sample;
         }
+      }
+    }
+  }
+}
+
+TYPED_TEST(Batch, PointsOfManyMaterialsAreThoseOfEach) {
+  using C = TypeParam;
+  samples::Random r(25);
+  const std::vector<FibreGrowth<>> materials = {material(r, 2, 0), material(r, 2.5, 1), material(r, 0.7, 2)};
+  for (std::size_t n : {0u, 1u, 16u, 33u, 100u}) {
+    auto points = some_points(r, materials[0], static_cast<int>(n), true, Kind::any, C::lean);
+    if (n > 20) points[7].G = -1;
+    std::vector<unsigned char> index;
+    while (index.size() < n) {  // runs of 1 to 40
+      const auto which = static_cast<unsigned char>(r.bits() % materials.size());
+      index.insert(index.end(), std::min(n - index.size(), 1 + r.bits() % 40), which);
+    }
+    std::vector<Result<double>> results, of_one;
+    const batch::Materials<double, unsigned char> view{materials.data(), index.data()};
+    const std::ptrdiff_t failed = run<C>(view, points, results);
+    EXPECT_EQ(failed, n > 20);
+    for (std::size_t m = 0; m < materials.size(); ++m) {
+      run<C>(materials[m], points, of_one);
+      for (std::size_t i = 0; i < n; ++i) {
+        if (index[i] != m) continue;
+        EXPECT_TRUE(same_bits(results[i], of_one[i])) << i << " of " << n;
       }
     }
   }
