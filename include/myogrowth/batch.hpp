@@ -107,6 +107,10 @@ struct Aosoa {
   };
   Place from(std::ptrdiff_t i) const { return {data + i / block * (block * components) + i % block}; }
 };
+/// An output in such blocks that lies on cache lines (64 bytes) and is written past the caches: for more
+/// points than caches hold. It saves the memory from reading what will be written over.
+template <class V, int components, int block = 16>
+struct Streamed : Aosoa<V, components, block> {};
 /// The same for all points.
 template <class V>
 struct Shared {
@@ -133,6 +137,10 @@ Aos<V, components> aos(V* data) {
 template <int components, int block = 16, class V = double>
 Aosoa<V, components, block> aosoa(V* data) {
   return {data};
+}
+template <int components, int block = 16, class V = double>
+Streamed<V, components, block> streamed(V* data) {
+  return {{data}};
 }
 template <class V>
 Shared<V> shared(V* data) {
@@ -194,6 +202,11 @@ struct Points<V, N, Aosoa<W, components, block>> {
   Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
   void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
 };
+template <class V, int N, class W, int components, int block>
+struct Points<V, N, Streamed<W, components, block>> : Points<V, N, Aosoa<W, components, block>> {
+  using Points<V, N, Aosoa<W, components, block>>::Points;
+  void store(int c, const Pack<V, N>& p) const { p.stream(this->at(c)); }
+};
 template <class V, int N, class W>
 struct Points<V, N, Shared<W>> {
   const W* data;
@@ -246,6 +259,15 @@ void store_one(const View& view, int c, std::ptrdiff_t i, V x) {
 }
 template <class V>
 void store_one(None, int, std::ptrdiff_t, V) {}
+
+template <class View>
+constexpr bool is_streamed(const View&) {
+  return false;
+}
+template <class V, int components, int block>
+constexpr bool is_streamed(const Streamed<V, components, block>&) {
+  return true;
+}
 
 /// What all packs of a batch have in common.
 template <class V>
@@ -565,6 +587,7 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
       if (bad & 1) failed += update_one<tangent, measure>(material, i + lane, in, out) != Status::ok;
     }
   }
+  if (is_streamed(out.stress) || is_streamed(out.G) || is_streamed(out.tangent)) fence();
   return failed;
 }
 

@@ -6,8 +6,9 @@
 /// If lambda <= lambda_crit G_n, or G_n >= G_max, or dt <= 0, nothing grows. Otherwise the bracket
 /// [G_n, min(G_max, lambda/lambda_crit)] holds exactly one root for any dt, because k_g and the criterion are
 /// positive and decreasing there, so that R' >= 1. For gamma >= 1, R is concave and Newton's method climbs to
-/// the root from the left without ever passing it; for 0 < gamma < 1 the same holds in the variable k_g, from
-/// the other side; for gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
+/// the root from the left without ever passing it (unless the step is long, it has little to do after two
+/// steps of higher order); for 0 < gamma < 1 the same holds in the variable k_g, from the other side; for
+/// gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
 ///
 /// Removal is the mirror image, from G_n down to max(G_min, lambda/lambda_rev); the code has both, by a sign.
 #ifndef MYOGROWTH_GROWTH_SOLVE_HPP
@@ -37,8 +38,8 @@ struct GrowthEquation {
   P limit, gamma, crit;  ///< G_max or G_min, and the exponent and threshold that go with it
   P A, E;
   Exponent<P> to_gamma;
-  Real<P> room_n,
-      per_room;  ///< sign (limit - G_n), the unit in which what is left is measured, and 1 over it
+  Real<P> room_n;    ///< sign (limit - G_n), the unit in which what is left of the way is measured
+  Real<P> per_room;  ///< 1/room_n
 
   /// growth_time: tau or tau_rev. width: limit's distance from where the capacity is 1.
   GrowthEquation(const P& limit_, const P& gamma_, const P& crit_, const P& width, const P& dt,
@@ -137,12 +138,10 @@ bool is_last_step(V step, V G, V room, V gamma) {
 }
 
 /// What is left of the way to the root, sign (root - G), by Householder's method of order four, from either
-/// side. In units t of room(G), k (1 - g t)^gamma and its three derivatives need no division, and done - k q
-/// is
+/// side. At G + sign x t, x = room(G)/room_n, k is k(G) (1 - t/room_n)^gamma, whose derivatives need no
+/// division, and done - k q is
 ///
 ///   -f + b t + a2 t^2 + a3 t^3 + ...
-///
-/// x: room(G)/room_n, k: k(G).
 template <class V, int sign>
 V fourth_order_step(const BracketedEquation<V, sign>& eq, V G, V x, V k) {
   const V g1 = eq.gamma * eq.per_room, g2 = g1 * (g1 - eq.per_room) / 2,

@@ -55,6 +55,13 @@ constexpr int register_bytes = 16;
 template <class V>
 constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(V));
 
+/// Lets what was streamed be seen before what is written from here on.
+inline void fence() {
+#if defined(__SSE2__)
+  _mm_sfence();
+#endif
+}
+
 /// True or false in every lane: all bits of an integer of V's size.
 template <class V, int N>
 struct Mask {
@@ -84,6 +91,23 @@ struct Pack {
   }
   void store(V* to) const {
     for (int k = 0; k < parts; ++k) *reinterpret_cast<InMemory*>(to + k * width) = v[k];
+  }
+  /// To a multiple of a register's size, past the caches where the target can; fence() before others read it.
+  void stream(V* to) const {
+#if defined(__SSE2__)
+    for (int k = 0; k < parts; ++k) {
+      void* const at = to + k * width;
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+      if constexpr (sizeof v[0] == 64) _mm512_stream_si512(static_cast<__m512i*>(at), (__m512i)v[k]);
+#endif
+#if defined(__AVX__)
+      if constexpr (sizeof v[0] == 32) _mm256_stream_si256(static_cast<__m256i*>(at), (__m256i)v[k]);
+#endif
+      if constexpr (sizeof v[0] == 16) _mm_stream_si128(static_cast<__m128i*>(at), (__m128i)v[k]);
+    }
+#else
+    store(to);
+#endif
   }
   V operator[](int lane) const { return v[lane / width][lane % width]; }
   void set(int lane, V x) { v[lane / width][lane % width] = x; }
