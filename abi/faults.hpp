@@ -49,9 +49,9 @@ MYOGROWTH_LIKE_PRINTF inline bool tell(Text& text, const char* format, ...) {
   return true;
 }
 
-/// Reads PROPS(1:nprops), float or double. True, and the text, if entries are missing or one is not allowed.
+/// Reads PROPS(1:nprops) with its options. True, and the text, if entries are missing or one is not allowed.
 template <class R>
-bool find_props_fault(const R* props, int nprops, Properties& properties, Text& text) {
+MYOGROWTH_APART bool find_fault_among_all(const R* props, int nprops, Properties& properties, Text& text) {
   constexpr int digits = std::numeric_limits<R>::digits10 < 9 ? std::numeric_limits<R>::digits10 : 9;
   if (nprops < n_props_required) {
     return tell(text,
@@ -80,6 +80,19 @@ bool find_props_fault(const R* props, int nprops, Properties& properties, Text& 
     }
   }
   return false;
+}
+
+/// Reads PROPS(1:nprops), float or double. True, and the text, if entries are missing or one is not allowed.
+template <class R>
+bool find_props_fault(const R* props, int nprops, Properties& properties, Text& text) {
+  if (n_props_required <= nprops && nprops <= n_props_plain) {
+    double plain[n_props_plain];
+    for (int i = 0; i < n_props_plain; ++i) {
+      plain[i] = i < n_props_required || i < nprops ? static_cast<double>(props[i]) : property(i).initial;
+    }
+    if (read_plain(plain, properties)) return false;
+  }
+  return find_fault_among_all(props, nprops, properties, text);
 }
 
 /// True, and the text, if mixed elements are asked for where there are none. `where`: "VUMAT", ...
@@ -125,7 +138,7 @@ inline bool find_state_fault(const double* statev, int nstatev, double (&n0)[3],
   }
   if (keeps_fibre(nstatev)) {
     const double* fibre = statev + fibre_entry;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 3 && !is_finite(fibre[0] + fibre[1] + fibre[2]); ++i) {
       if (!is_finite(fibre[i])) {
         return tell(text, "STATEV(%d) = %.9g on entry: the fibre direction must be finite.",
                     fibre_entry + i + 1, fibre[i]);

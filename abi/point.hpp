@@ -33,8 +33,9 @@ inline double advised_factor(const Properties& p, double G_n, double lambda_n, d
 /// STATEV(1:8) at the end of a step, as far as there is room.
 inline void write_state(const PointUpdate<double>& u, double* statev, int nstatev) {
   const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
-  for (int i = 0; i < 5 && i < nstatev; ++i) statev[i] = scalars[i];
-  for (int i = 0; i < 3 && keeps_fibre(nstatev); ++i) statev[fibre_entry + i] = u.n0[i];
+  const bool all = keeps_fibre(nstatev);
+  for (int i = 0; i < 5 && (all || i < nstatev); ++i) statev[i] = scalars[i];
+  for (int i = 0; i < 3 && all; ++i) statev[fibre_entry + i] = u.n0[i];
 }
 
 }  // namespace abi

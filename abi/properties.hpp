@@ -37,6 +37,7 @@ struct StateVariable {
 };
 
 constexpr int n_props = 18;        ///< entries that mean something
+constexpr int n_props_plain = 9;   ///< entries before the options, all of which are off (0) by default
 constexpr int tau_rev_entry = 13;  ///< index of tau_rev in PROPS: the first of removal's
 constexpr int hybrid_entry = 17;  ///< index of hybrid in PROPS: what is before it, from tau_rev, is removal's
 constexpr int n_props_required = 6;   ///< entries that have no default
@@ -123,10 +124,9 @@ inline const char* text(Allowed allowed) {
   return "";
 }
 
-/// Whether `x` is allowed among the others, all[n_props].
-inline bool is_allowed(Allowed allowed, double x, const double* all) {
+/// Whether `x`, a finite number, is allowed among the others.
+inline bool is_in_range(Allowed allowed, double x, const double* all) {
   const double c2 = all[1], lambda_crit = all[5];
-  if (!is_finite(x)) return false;
   switch (allowed) {
     case Allowed::positive:
       return x > 0;
@@ -135,7 +135,7 @@ inline bool is_allowed(Allowed allowed, double x, const double* all) {
     case Allowed::above_one:
       return x > 1;
     case Allowed::bulk_positive:
-      return !(c2 > 0) || x > -2 * c2 / 3;  // a bad c2 is reported as such
+      return x >= 0 || !(c2 > 0) || x > -2 * c2 / 3;  // a bad c2 is reported as such
     case Allowed::any:
       return true;
     case Allowed::zero_or_one:
@@ -163,26 +163,44 @@ constexpr Allowed allowed(int i, const double* p) {
                                                                         : Tables<>::property[i].allowed;
 }
 
-/// Whether all entries are allowed; entry by entry at compile time, since every call of every point asks.
+inline bool is_allowed(int i, const double* p) {
+  return is_finite(p[i]) && is_in_range(allowed(i, p), p[i], p);
+}
+
+/// Whether the first entries are allowed, and their sum finite; entry by entry at compile time and without a
+/// branch, since every call of every point asks.
 template <int... i>
 bool all_allowed(const double* p, std::integer_sequence<int, i...>) {
   bool all = true;
-  const bool each[] = {(all = all & is_allowed(allowed(i, p), p[i], p))...};
+  double sum = 0;
+  const bool each[] = {(sum += p[i], all &= is_in_range(allowed(i, p), p[i], p))...};
   (void)each;
-  return all;
+  return all & is_finite(sum);
+}
+
+inline void take_plain(const double* p, Properties& out) {
+  out.material.c1 = p[0];
+  out.material.c2 = p[1];
+  out.material.growth = GrowthRate<double>{p[2], p[3], p[4], p[5]};
+  for (int i = 0; i < 3; ++i) out.n0[i] = p[6 + i];
+}
+
+/// Reads PROPS that end before the options. False if one is not allowed.
+inline bool read_plain(const double (&p)[n_props_plain], Properties& out) {
+  take_plain(p, out);
+  out.local_basis = out.hybrid = false;
+  out.tolerance = 0;
+  return all_allowed(p, std::make_integer_sequence<int, n_props_plain>());
 }
 
 /// Reads PROPS, all of it. Returns the index of the first entry that is not allowed, or -1 if all are.
 inline int read(const double (&p)[n_props], Properties& out) {
   if (!all_allowed(p, std::make_integer_sequence<int, n_props>())) {
     for (int i = 0; i < n_props; ++i) {
-      if (!is_allowed(allowed(i, p), p[i], p)) return i;
+      if (!is_allowed(i, p)) return i;
     }
   }
-  out.material.c1 = p[0];
-  out.material.c2 = p[1];
-  out.material.growth = GrowthRate<double>{p[2], p[3], p[4], p[5]};
-  for (int i = 0; i < 3; ++i) out.n0[i] = p[6 + i];
+  take_plain(p, out);
   out.local_basis = p[9] != 0;
   out.material.integration = p[11] != 0 ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
   out.tolerance = p[12];

@@ -51,7 +51,7 @@ bool find_fault(int ntens, int nstatv, const double* statev, const double* props
 
 // Of DFGRD1, what the element type has: F_33 is not given in plane stress, and all is zero in some hosts
 // without NLGEOM.
-void take_deformation(const double* dfgrd1, int ntens, double F[9]) {
+MYOGROWTH_APART void take_deformation(const double* dfgrd1, int ntens, double F[9]) {
   const bool solid = ntens == 6;
   const bool given[9] = {true, true, solid, true, true, solid, solid, solid, ntens != 3};
   for (int i = 0; i < 9; ++i) F[i] = given[i] ? dfgrd1[i] : i == 8 ? 1 : 0;
@@ -72,11 +72,24 @@ bool pack(const double* tau, const double* c, int rows, double per_J, double* st
   return are_finite(stress, n) && are_finite(ddsdde, n * n);
 }
 
+// Sums of DDSDDE(6,6), which are not finite if an entry is not.
+double sum(const double* ddsdde) {
+  double sums[4] = {};
+  for (int i = 0; i < 9; ++i) {
+    for (int k = 0; k < 4; ++k) sums[k] += ddsdde[4 * i + k];
+  }
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
 void update_state(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
                   double* drplde, double* drpldt, double dtime, int ntens, int nstatv, const double* props,
                   int nprops, double* pnewdt, const double* dfgrd1) {
   *rpl = *drpldt = 0;
-  for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
+  if (ntens == 6) {
+    for (int i = 0; i < 6; ++i) ddsddt[i] = drplde[i] = 0;
+  } else {
+    for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
+  }
 
   const double* J_hat = nullptr;              // STRESS(NTENS+1), in a mixed element
   const auto fail = [&](const char* fault) {  // STATEV is still as it came in, wherever this is called
@@ -94,11 +107,15 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
 
   if (properties.hybrid) J_hat = stress + ntens;
 
-  double F[9];
-  take_deformation(dfgrd1, ntens, F);
-  if (properties.local_basis && !left_stretch(F, F)) {  // det F <= 0, or not finite
-    fail("inverted or not finite: F must be finite and det F > 0");
-    return;
+  double taken[9];
+  const double* F = dfgrd1;
+  if (ntens != 6 || F[0] == 0 || properties.local_basis) {
+    take_deformation(dfgrd1, ntens, taken);
+    F = taken;
+    if (properties.local_basis && !left_stretch(taken, taken)) {  // det F <= 0, or not finite
+      fail("inverted or not finite: F must be finite and det F > 0");
+      return;
+    }
   }
 
   PointUpdate<double> u;
@@ -127,8 +144,9 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     const double per_J = 1 / u.J;
     if (ntens == 6) {
       spatial_modulus(u, ddsdde, per_J);
-      for (int i = 0; i < 6; ++i) stress[i] = u.tau[i] * per_J;
-      finite = are_finite(ddsdde, 36) && are_finite(stress, 6);
+      double all = sum(ddsdde);
+      for (int i = 0; i < 6; ++i) all += stress[i] = u.tau[i] * per_J;
+      finite = is_finite(all) || (are_finite(ddsdde, 36) && are_finite(stress, 6));
     } else {
       spatial_modulus(u, c, per_J);
       for (int i = 0; i < 6; ++i) u.tau[i] *= per_J;

@@ -10,11 +10,17 @@ extern "C" void BENCH_BATCH_PASS(int tangent, const BenchBatch* b) {
   m.growth.gamma = b->gamma;
   const batch::Input in{aosoa<9, bench_block>(b->F), aosoa<3, bench_block>(b->n0),
                         aosoa<1, bench_block>(b->G), batch::shared(b->dt)};
-  const auto stress = aosoa<6, bench_block>(b->stress);
-  const auto G = aosoa<1, bench_block>(b->G_end);
-  if (tangent == 0) update_batch<Tangent::none>(m, b->n, in, batch::Output{stress, G});
-  if (tangent == 7)
-    update_batch<Tangent::compact>(m, b->n, in, batch::Output{stress, G, aosoa<7, bench_block>(b->tangent)});
-  if (tangent == 36)
-    update_batch<Tangent::full>(m, b->n, in, batch::Output{stress, G, aosoa<36, bench_block>(b->tangent)});
+  const auto update = [&](const auto& stress, const auto& G, const auto& compact, const auto& full) {
+    if (tangent == 0) update_batch<Tangent::none>(m, b->n, in, batch::Output{stress, G});
+    if (tangent == 7) update_batch<Tangent::compact>(m, b->n, in, batch::Output{stress, G, compact});
+    if (tangent == 36) update_batch<Tangent::full>(m, b->n, in, batch::Output{stress, G, full});
+  };
+  if (b->past_caches) {
+    using batch::streamed;
+    update(streamed<6, bench_block>(b->stress), streamed<1, bench_block>(b->G_end),
+           streamed<7, bench_block>(b->tangent), streamed<36, bench_block>(b->tangent));
+  } else {
+    update(aosoa<6, bench_block>(b->stress), aosoa<1, bench_block>(b->G_end),
+           aosoa<7, bench_block>(b->tangent), aosoa<36, bench_block>(b->tangent));
+  }
 }

@@ -12,6 +12,7 @@ struct BenchBatch {
   double gamma;
   const double *F, *n0, *G, *dt;  ///< 9, 3 and 1 a point in blocks; 1
   double *stress, *G_end, *tangent;
+  int past_caches;  ///< outputs are streamed
 };
 /// Numbers of the tangent a point: 0, 7 (compact) or 36 (DDSDDE).
 using BenchBatchPass = void(int tangent, const BenchBatch* batch);

@@ -177,7 +177,8 @@ inline void batch_pass(BenchBatchPass* pass, int tangent, const Work& w) {
                      &dtime,
                      stress + 6 * m,
                      G + m,
-                     moduli + static_cast<std::size_t>(tangent) * m};
+                     moduli + static_cast<std::size_t>(tangent) * m,
+                     w.points.size == streamed};
   pass(tangent, &b);
 }
 

@@ -10,10 +10,13 @@
 ///   myogrowth::batch::Output out{soa(stress, n), soa(G, n), soa(ddsdde, n)};
 ///   std::ptrdiff_t failed = update_batch<Tangent::full>(material, n, in, out);
 ///
-/// Points are independent: give parts of them to threads as you like. Compile with the target's flags (-mavx2
-/// -mfma, -march=native, ...) and -O3; contraction to fused multiply-adds is welcome.
+/// Materials in the place of the material gives every point its own. Points are independent: give parts of
+/// them to threads as you like. Compile with the target's flags (-mavx2 -mfma, -march=native, ...) and -O3;
+/// contraction to fused multiply-adds is welcome.
 #ifndef MYOGROWTH_BATCH_HPP
 #define MYOGROWTH_BATCH_HPP
+
+#include <utility>
 
 #include "points.hpp"
 #include "simd.hpp"
@@ -41,6 +44,11 @@ struct Points<V, N, Aosoa<W, components, block>> {
   Points(const Aosoa<W, components, block>& view, std::ptrdiff_t i) : at(view.from(i)) {}
   Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
   void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
+};
+template <class V, int N, class W, int components, int block>
+struct Points<V, N, Streamed<W, components, block>> : Points<V, N, Aosoa<W, components, block>> {
+  using Points<V, N, Aosoa<W, components, block>>::Points;
+  void store(int c, const Pack<V, N>& p) const { p.stream(this->at(c)); }
 };
 template <class V, int N, class W>
 struct Points<V, N, Shared<W>> {
@@ -80,28 +88,28 @@ struct Writer {
   Entry operator[](int c) const { return {points, c}; }
 };
 
+template <class View>
+constexpr bool is_streamed(const View&) {
+  return false;
+}
+template <class V, int components, int block>
+constexpr bool is_streamed(const Streamed<V, components, block>&) {
+  return true;
+}
+
 /// What all packs of a batch have in common.
 template <class V>
 struct Common {
   const FibreGrowth<V>& material;
-  const Exponent<V> to_gamma, to_gamma_minus_1;
+  const Exponent<V> to_gamma;
   const V per_time, per_width, per_crit;
-  const V most_of_G, most_of_room;  ///< of what a last Newton step may be: is_last_step, growth_solve.hpp
 
   explicit Common(const FibreGrowth<V>& m)
       : material(m),
         to_gamma(m.growth.gamma),
-        to_gamma_minus_1(m.growth.gamma - V(1)),
         per_time(V(1) / m.growth.growth_time),
         per_width(V(1) / (m.growth.G_max - V(1))),
-        per_crit(V(1) / m.growth.lambda_crit),
-        most_of_G(std::numeric_limits<V>::epsilon() / of_room()),
-        most_of_room(2 * of_room() / (V(1) + m.growth.gamma)) {}
-
- private:
-  static constexpr V of_room() {
-    return V(1) / static_cast<V>(1ll << ((std::numeric_limits<V>::digits - 1) / 3));
-  }
+        per_crit(V(1) / m.growth.lambda_crit) {}
 };
 
 /// The start of a long step (growth_solve.hpp), lane by lane.
@@ -147,36 +155,39 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   }
   P end = lambda * P(common.per_crit);
   end = select(end < limit, end, limit);
-  const P q_n = lambda - crit * G_n, gamma_per_room = gamma * per_room;
-
-  // The start: Bernoulli's, or that of a long step.
-  const P b = E * G_n + A * (crit + gamma_per_room * q_n), c = A * q_n;
-  const P discriminant = b * b + P(V(4)) * (E - A * gamma_per_room * crit) * c;
-  // (A hair less keeps it before the root in spite of the rough quotient.)
-  const P hair(sizeof(V) == 8 ? V(1 - 1e-7) : V(1 - 1e-3));
-  const P way = rough_quotient(c + c, b + sqrt(select(discriminant > zero, discriminant, zero)));
-  P G = G_n + way * hair;
+  // fourth_order_step, growth_solve.hpp
+  const P g1 = gamma * per_room, g2 = g1 * (g1 - per_room) * P(V(0.5)),
+          g3 = g2 * (g1 - (per_room + per_room)) * P(V(1.0 / 3));
+  const auto step_from = [&](const P& G, const P& x, const P& k) {
+    const P kq = k * (lambda - crit * G), kc = k * crit * x;
+    const P f = kq - E * G * (G - G_n);
+    const P b = (kc + E * (G + G - G_n) * x) + g1 * kq;
+    const P a2 = (E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq;
+    return std::make_pair(x * f * (b * b + a2 * f), b * b * b + f * ((a2 + a2) * b + a3 * f));
+  };
+  const auto first = step_from(G_n, one, A);
+  P G = G_n + rough_quotient(first.first, first.second);
+  const P c = A * (lambda - crit * G_n);
   const auto is_long = grows & (c > E * G_n * (end - G_n));
   if (any(is_long)) G = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G);
-  G = select(G < end, G, select(is_long, end, G_n));
+  G = select((G_n < G) & (G < end), G, select(is_long, end, G_n));
 
-  const P most_of_G(common.most_of_G), most_of_room(common.most_of_room);
+  const P epsilon_(epsilon), at_end(256 * epsilon), gamma_plus_1(V(1) + rate.gamma);
   Mask<V, N> active = grows;
   constexpr int patience = 24;
   for (int iteration = 0; iteration < patience && any(active); ++iteration) {
-    const P room = limit - G;
-    const P x = room * per_room;
-    const P k_over_x = A * common.to_gamma_minus_1(x);
-    const P k = k_over_x * x, q = lambda - crit * G;
-    const P to_do = k * q - E * G * (G - G_n);
-    const P slope = E * (G + G - G_n) + gamma_per_room * k_over_x * q + k * crit;
-    const P step =
-        rough_quotient(to_do * G, slope * G + to_do);  // corrected by the next, or beyond all digits
+    const P room = limit - G, x = room * per_room;
+    const auto quotient = step_from(G, x, A * common.to_gamma(x));
+    const P step = near_quotient(quotient.first, quotient.second);  // a last one is below 1e-4 G
     const P next = G + step;
-    const auto inside = next < end;
-    // A lane that is done stays as it is, whatever its neighbours do. (Below G: rounding.)
-    G = select(active & (next > G), select(inside, next, end), G);
-    active = active & inside & !((step <= most_of_G * next) & (step <= most_of_room * room));
+    const P unit = next * room, s = step * (gamma_plus_1 * next + room);
+    const auto last =
+        (s * s * (s * step) < epsilon_ * next * (unit * unit * unit)) | (end - G <= at_end * end);
+    // A lane that is done stays as it is, whatever its neighbours do. One that leaves the bracket is taken
+    // half the way, to the end itself if that is next to it.
+    const P half_way = select(last, end, P(V(0.5)) * (G + end));
+    G = select(active, select(next < end, select(G_n < next, next, G), half_way), G);
+    active = active & !last;
   }
   left = active | (grows & !in_range);
 
@@ -212,9 +223,10 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
   const Points<V, N, std::decay_t<decltype(out.tangent)>> tangent_out(out.tangent, i);
   const Points<V, N, std::decay_t<decltype(out.scalars)>> scalars_out(out.scalars, i);
   const P zero(V(0)), one(V(1));
-  P F[9], n[3];
-  for (int c = 0; c < 9; ++c) F[c] = F_in.load(c);
-  for (int c = 0; c < 3; ++c) n[c] = n_in.load(c);
+  // (Not by a loop, which g++ would send through the stack, twice.)
+  const P F[9] = {F_in.load(0), F_in.load(1), F_in.load(2), F_in.load(3), F_in.load(4),
+                  F_in.load(5), F_in.load(6), F_in.load(7), F_in.load(8)};
+  P n[3] = {n_in.load(0), n_in.load(1), n_in.load(2)};
   const P G_n = G_in.load(0), dt = dt_in.load(0);
 
   // As normalise() has it; a vector so short or long that its square is out of range is left to that.
@@ -352,6 +364,26 @@ MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i
   return bad & ~(~0u << points);
 }
 
+/// The points [first, last), of one material.
+template <Tangent tangent, Measure measure, int lanes, class V, class In, class Out>
+std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first, std::ptrdiff_t last,
+                            const In& in, const Out& out) {
+  const Common<V> common(material);
+  std::ptrdiff_t failed = 0;
+  for (std::ptrdiff_t i = first, next; i < last; i = next) {
+    next = (i / lanes + 1) * lanes;  // whole packs lie within a block
+    if (next > last) next = last;
+    unsigned bad = next - i == lanes ? update_pack<tangent, measure, lanes>(common, i, in, out)
+                                     : update_padded<tangent, measure, lanes>(
+                                           common, i, static_cast<int>(next - i), in, out);
+    for (int lane = 0; bad != 0; ++lane, bad >>= 1) {
+      if (bad & 1) failed += update_one<tangent, measure>(material, i + lane, in, out) != Status::ok;
+    }
+  }
+  if (is_streamed(out.stress) || is_streamed(out.G) || is_streamed(out.tangent)) fence();
+  return failed;
+}
+
 }  // namespace detail
 }  // namespace batch
 
@@ -360,19 +392,25 @@ MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
-  static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   constexpr int lanes = N > 0 ? N : 2 * simd::native_lanes<V>;
-  const batch::detail::Common<V> common(material);
+  static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
+  return batch::detail::update_range<tangent, measure, lanes>(material, 0, n, in, out);
+}
+
+/// The same for points of many materials. Every run of points of one material is done by packs of its own:
+/// let the points of a material lie together.
+template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class Index,
+          class In, class Out>
+std::ptrdiff_t update_batch(const batch::Materials<V, Index>& materials, std::ptrdiff_t n, const In& in,
+                            const Out& out) {
+  constexpr int lanes = N > 0 ? N : 2 * simd::native_lanes<V>;
+  static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   std::ptrdiff_t failed = 0;
-  for (std::ptrdiff_t i = 0; i < n; i += lanes) {
-    const bool whole = n - i >= lanes;
-    unsigned bad = whole ? batch::detail::update_pack<tangent, measure, lanes>(common, i, in, out)
-                         : batch::detail::update_padded<tangent, measure, lanes>(
-                               common, i, static_cast<int>(n - i), in, out);
-    for (int lane = 0; bad != 0; ++lane, bad >>= 1) {
-      if (bad & 1)
-        failed += batch::detail::update_apart<tangent, measure>(material, i + lane, in, out) != Status::ok;
-    }
+  for (std::ptrdiff_t first = 0, last; first < n; first = last) {
+    const Index which = materials.index[first];
+    for (last = first + 1; last < n && materials.index[last] == which;) ++last;
+    failed +=
+        batch::detail::update_range<tangent, measure, lanes>(materials.data[which], first, last, in, out);
   }
   return failed;
 }

@@ -73,7 +73,7 @@ struct FlowResult {
 };
 
 template <class V, int sign>
-MYOGROWTH_FUNCTION FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
   const BracketedEquation<V, sign>& eq = flow.eq;
   // Short against the growth of the integrands, as far as anybody's gamma goes: the number of panels is
   // bounded.

@@ -6,8 +6,9 @@
 /// If lambda <= lambda_crit G_n, or G_n >= G_max, or dt <= 0, nothing grows. Otherwise the bracket
 /// [G_n, min(G_max, lambda/lambda_crit)] holds exactly one root for any dt, because k_g and the criterion are
 /// positive and decreasing there, so that R' >= 1. For gamma >= 1, R is concave and Newton's method climbs to
-/// the root from the left without ever passing it; for 0 < gamma < 1 the same holds in the variable k_g, from
-/// the other side; for gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
+/// the root from the left without ever passing it (unless the step is long, it has little to do after two
+/// steps of higher order); for 0 < gamma < 1 the same holds in the variable k_g, from the other side; for
+/// gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
 ///
 /// Removal is the mirror image, from G_n down to max(G_min, lambda/lambda_rev); the code has both, by a sign.
 #ifndef MYOGROWTH_GROWTH_SOLVE_HPP
@@ -36,7 +37,9 @@ template <class P, int sign>
 struct GrowthEquation {
   P limit, gamma, crit;  ///< G_max or G_min, and the exponent and threshold that go with it
   P A, E;
-  Real<P> room_n;  ///< sign (limit - G_n), the unit in which what is left of the way is measured
+  Exponent<P> to_gamma;
+  Real<P> room_n;    ///< sign (limit - G_n), the unit in which what is left of the way is measured
+  Real<P> per_room;  ///< 1/room_n
 
   /// growth_time: tau or tau_rev. width: limit's distance from where the capacity is 1.
   MYOGROWTH_FUNCTION GrowthEquation(const P& limit_, const P& gamma_, const P& crit_, const P& width,
@@ -46,8 +49,10 @@ struct GrowthEquation {
         crit(crit_),
         A(1),
         E(1),
-        room_n(sign > 0 ? value(limit_) - G_n : G_n - value(limit_)) {
-    const P a = dt / growth_time * power(P(room_n / width), gamma);
+        to_gamma(gamma_),
+        room_n(sign > 0 ? value(limit_) - G_n : G_n - value(limit_)),
+        per_room(1 / room_n) {
+    const P a = dt / growth_time * to_gamma(P(room_n / width));
     if (value(a) > 1) {
       E = P(1) / a;
     } else {
@@ -63,7 +68,9 @@ struct GrowthEquation {
         crit(value(lifted.crit)),
         A(value(lifted.A)),
         E(value(lifted.E)),
-        room_n(lifted.room_n) {}
+        to_gamma(value(lifted.gamma)),
+        room_n(lifted.room_n),
+        per_room(lifted.per_room) {}
 
   template <class T>
   MYOGROWTH_FUNCTION T room(const T& G) const {
@@ -71,7 +78,7 @@ struct GrowthEquation {
   }
   template <class T>
   MYOGROWTH_FUNCTION T k(const T& G) const {
-    return A * power(T(room(G) / room_n), gamma);
+    return A * to_gamma(T(room(G) * per_room));
   }
   template <class T>
   MYOGROWTH_FUNCTION T q(const T& lambda, const T& G) const {
@@ -124,32 +131,42 @@ struct BracketedEquation : GrowthEquation<V, sign> {
 };
 
 /// Whether rounding is all that is left after this step. Newton's method leaves step^2 R''/(2 R'), and R''/R'
-/// is at most 2 gamma/(G_max - G) + 2/G: the two bounds below make that about rounding.
+/// is at most 2 gamma/room + 2/G (a little more in k, for gamma < 1): less than half of G's last place is
+/// left.
 template <class V>
 MYOGROWTH_FUNCTION bool is_last_step(V step, V G, V room, V gamma) {
-  constexpr V of_room = V(1) / static_cast<V>(1ll << ((std::numeric_limits<V>::digits - 1) / 3));
-  constexpr V of_G = std::numeric_limits<V>::epsilon() / of_room;
-  return step <= of_G * G && step * (1 + gamma) <= 2 * of_room * room;
+  return step * step * ((1 + gamma) * G + room) < std::numeric_limits<V>::epsilon() / 4 * G * G * room;
 }
 
-/// A start before the root for gamma >= 1: with the capacity's tangent at G_n in the place of the capacity,
-/// which is never below it (Bernoulli's inequality), the equation is quadratic in the way d = sign (G - G_n)
-/// made.
+/// What is left of the way to the root, sign (root - G), by Householder's method of order four, from either
+/// side. At G + sign x t, x = room(G)/room_n, k is k(G) (1 - t/room_n)^gamma, whose derivatives need no
+/// division, and done - k q is
+///
+///   -f + b t + a2 t^2 + a3 t^3 + ...
 template <class V, int sign>
-MYOGROWTH_FUNCTION V short_step_start(const BracketedEquation<V, sign>& eq) {
-  const V fade = eq.gamma / eq.room_n, q = eq.q(eq.lambda, eq.G_n);
-  const V a = sign * eq.E - eq.A * fade * eq.crit, b = eq.E * eq.G_n + eq.A * (eq.crit + fade * q),
-          c = eq.A * q;
-  const V discriminant = b * b + 4 * a * c;  // never negative but by rounding
-  const V start = eq.G_n + sign * (c + c) / (b + sqrt(discriminant > 0 ? discriminant : V(0)));
-  return eq.before(start, eq.end) ? start : eq.G_n;
+MYOGROWTH_FUNCTION V fourth_order_step(const BracketedEquation<V, sign>& eq, V G, V x, V k) {
+  const V g1 = eq.gamma * eq.per_room, g2 = g1 * (g1 - eq.per_room) / 2,
+          g3 = g2 * (g1 - 2 * eq.per_room) * V(1.0 / 3);
+  const V kq = k * eq.q(eq.lambda, G), kc = k * eq.crit * x;
+  const V f = kq - eq.done(G, eq.G_n);
+  const V b = (kc + eq.E * (G + G - eq.G_n) * x) + g1 * kq;
+  const V a2 = (sign * eq.E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq;
+  return x * f * (b * b + a2 * f) / (b * b * b + f * ((a2 + a2) * b + a3 * f));
+}
+
+/// Whether rounding is all that is left after such a step: what it leaves is well below C^3 step^4 where
+/// Newton's method leaves no more than C step^2, C = (1 + gamma)/room + 1/G.
+template <class V>
+MYOGROWTH_FUNCTION bool is_last_fourth_order_step(V step, V G, V room, V gamma) {
+  const V unit = G * room, s = step * ((1 + gamma) * G + room);
+  return s * s * (s * step) < std::numeric_limits<V>::epsilon() * G * (unit * unit * unit);
 }
 
 /// A start before the root that is far better than G_n when the step is long. At the root k q is at most
 /// `bound`, which limits the distance u from the end of the bracket in three ways: by what is left of q or of
 /// k at the end itself, and by their product.
 template <class V, int sign>
-MYOGROWTH_FUNCTION V long_step_start(const BracketedEquation<V, sign>& eq) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART V long_step_start(const BracketedEquation<V, sign>& eq) {
   const V way = sign * (eq.end - eq.G_n);
   const V bound = eq.E * (sign > 0 ? eq.end : eq.G_n) * way / eq.A;
   const V q_end = eq.q(eq.lambda, eq.end);
@@ -168,7 +185,7 @@ MYOGROWTH_FUNCTION V long_step_start(const BracketedEquation<V, sign>& eq) {
 
 /// gamma = 0: the equation is quadratic in G, and the same for either sign.
 template <class V, int sign>
-MYOGROWTH_FUNCTION V root_of_quadratic(const BracketedEquation<V, sign>& eq) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART V root_of_quadratic(const BracketedEquation<V, sign>& eq) {
   const V b = eq.A * eq.crit - eq.E * eq.G_n;
   const V c = eq.A * eq.lambda;
   const V root = sqrt(b * b + 4 * eq.E * c);
@@ -178,7 +195,8 @@ MYOGROWTH_FUNCTION V root_of_quadratic(const BracketedEquation<V, sign>& eq) {
 /// Halves the way from G, before the root, to end, behind it, down to rounding: for parameters so far out
 /// (gamma in the hundreds) that Newton's method would take its time.
 template <class V, int sign>
-MYOGROWTH_FUNCTION V bisect(const BracketedEquation<V, sign>& eq, V G, V end, int& iterations) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART V bisect(const BracketedEquation<V, sign>& eq, V G, V end,
+                                            int& iterations) {
   for (;;) {
     ++iterations;
     const bool far = end > 4 * G || G > 4 * end;
@@ -188,27 +206,33 @@ MYOGROWTH_FUNCTION V bisect(const BracketedEquation<V, sign>& eq, V G, V end, in
   }
 }
 
-/// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, monotone from G_n's side. A Newton step in
-/// k is one in G with the room left, room^gamma being proportional to k, shortened by its own factor. (For
-/// removal with 0 < gamma < 1 of more than half of G_n the step may pass the root, and bisection takes over.)
+/// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, monotone from G_n's side; if the start may
+/// lie behind the root, the first step leads there. A Newton step in k is one in G with the room left,
+/// room^gamma being proportional to k, shortened by its own factor. (For removal with 0 < gamma < 1 of more
+/// than half of G_n the step may pass the root, and bisection takes over.)
 template <class V, int sign>
-MYOGROWTH_FUNCTION V newton(const BracketedEquation<V, sign>& eq, V G, int& iterations) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART V newton(const BracketedEquation<V, sign>& eq, V G, bool may_be_behind,
+                                            int& iterations) {
   constexpr int patience = 64;  // three times what gamma = 20 takes
-  const Exponent<V> gamma_minus_1(eq.gamma - 1);
-  const V per_room = 1 / eq.room_n, gamma_per_room = eq.gamma * per_room;
+  const V gamma_per_room = eq.gamma * eq.per_room;
   V last = G;
-  while (iterations < patience) {
+  for (; iterations < patience; may_be_behind = false) {
     ++iterations;
     const V room = eq.room(G);
-    const V x = room * per_room;
-    const V k_over_x = eq.A * gamma_minus_1(x);
-    const V k = k_over_x * x, minus_dk = gamma_per_room * k_over_x, q = eq.q(eq.lambda, G);
-    const V to_do = k * q - eq.done(G, eq.G_n);
-    const V slope = eq.E * (G + G - eq.G_n) + minus_dk * q + k * eq.crit;
+    const V x = room * eq.per_room;
+    const V k = eq.A * eq.to_gamma(x), kq = k * eq.q(eq.lambda, G);
+    // Both times x: no division for k' = gamma k/room.
+    const V to_do = (kq - eq.done(G, eq.G_n)) * x;
+    const V slope = (eq.E * (G + G - eq.G_n) + k * eq.crit) * x + gamma_per_room * kq;
     // Growth has a concave R, the equation over G; removal a convex equation as it stands.
     V step = sign > 0 ? to_do * G / (slope * G + to_do) : to_do / slope;
     if (eq.gamma < 1) step = -room * expm1(log1p(-eq.gamma * step / room) / eq.gamma);
     const V next = G + sign * step;
+    if (may_be_behind && eq.before(next, G)) {
+      if (is_last_step(step, next, room, eq.gamma)) return next;
+      last = G = eq.before(eq.G_n, next) ? next : eq.G_n;
+      continue;
+    }
     if (!eq.before(G, next)) {
       const bool passed = -step > 16 * std::numeric_limits<V>::epsilon() * G && eq.before(last, G);
       return passed ? bisect(eq, last, G, iterations) : G;  // else at rounding level
@@ -229,8 +253,17 @@ MYOGROWTH_FUNCTION V growth_root(const BracketedEquation<V, sign>& eq, int& iter
   }
   // If an explicit step would leave the bracket, Newton from G_n would crawl: k falls by e a step.
   const bool is_long = eq.A * eq.q(eq.lambda, eq.G_n) > eq.E * eq.G_n * sign * (eq.end - eq.G_n);
-  const V start = is_long ? long_step_start(eq) : eq.gamma >= 1 ? short_step_start(eq) : eq.G_n;
-  return newton(eq, start, iterations);
+  if (is_long || eq.gamma < 1) return newton(eq, is_long ? long_step_start(eq) : eq.G_n, false, iterations);
+  // Else two steps of higher order are mostly all it takes; what they leave is Newton's.
+  V G = eq.G_n + sign * fourth_order_step(eq, eq.G_n, V(1), eq.A);
+  if (!(eq.before(eq.G_n, G) && eq.before(G, eq.end))) G = eq.G_n;
+  const V room = eq.room(G), x = room * eq.per_room,
+          step = fourth_order_step(eq, G, x, eq.A * eq.to_gamma(x));
+  const V next = G + sign * step;
+  iterations = 1;
+  if (is_last_fourth_order_step(step, next, room, eq.gamma)) return next;
+  if (eq.before(eq.G_n, next) && eq.before(next, eq.end)) G = next;
+  return newton(eq, G, true, iterations);
 }
 
 /// Gives the converged value the derivatives that the scalar carries, by the implicit function theorem: one

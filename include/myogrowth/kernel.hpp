@@ -78,38 +78,52 @@ struct PointUpdate {
   T dtau_dG[6];    ///< its derivative with respect to G at fixed F [stress]
 };
 
+namespace detail {
+
+/// normalise() where the square of the length is out of range.
+template <class T>
+MYOGROWTH_FUNCTION MYOGROWTH_APART bool normalise_scaled(const T n0[3], T unit[3]) {
+  Real<T> largest(0);
+  for (int i = 0; i < 3; ++i) {
+    if (!is_finite(n0[i])) return false;
+    const Real<T> length = value(n0[i]) < 0 ? -value(n0[i]) : value(n0[i]);
+    if (length > largest) largest = length;
+  }
+  if (!(largest > 0)) return false;
+  for (int i = 0; i < 3; ++i) unit[i] = n0[i] / largest;
+  const T per_length = Real<T>(1) / sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
+  for (int i = 0; i < 3; ++i) unit[i] = unit[i] * per_length;
+  return true;
+}
+
+}  // namespace detail
+
 /// Makes n0 of any length a unit vector. False if it has no direction (zero, NaN or infinite).
 /// A vector that is of unit length to rounding comes back bit for bit.
 template <class T>
 MYOGROWTH_FUNCTION bool normalise(const T n0[3], T unit[3]) {
   using V = Real<T>;
   using Limits = std::numeric_limits<V>;
-  T n[3] = {n0[0], n0[1], n0[2]};
-  T square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  const auto in_range = [](V x) { return x > Limits::min() / Limits::epsilon() && x <= Limits::max(); };
-  if (!in_range(value(square))) {
-    V largest(0);
-    for (int i = 0; i < 3; ++i) {
-      if (!is_finite(n[i])) return false;
-      const V length = value(n[i]) < 0 ? -value(n[i]) : value(n[i]);
-      if (length > largest) largest = length;
-    }
-    if (!(largest > 0)) return false;
-    for (int i = 0; i < 3; ++i) n[i] = n[i] / largest;
-    square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  }
+  const T square = n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2];
   const V size = value(square);
+  if (!(size > Limits::min() / Limits::epsilon() && size <= Limits::max())) {
+    return detail::normalise_scaled(n0, unit);
+  }
   constexpr V rounding = 4 * Limits::epsilon();
   const bool is_unit = std::is_same<T, V>::value && -rounding <= size - 1 && size - 1 <= rounding;
-  const T per_length = is_unit ? T(V(1)) : T(V(1) / sqrt(square));
-  for (int i = 0; i < 3; ++i) unit[i] = n[i] * per_length;
+  if (is_unit) {
+    for (int i = 0; i < 3; ++i) unit[i] = n0[i];
+    return true;
+  }
+  const T per_length = V(1) / sqrt(square);
+  for (int i = 0; i < 3; ++i) unit[i] = n0[i] * per_length;
   return true;
 }
 
 namespace detail {
 
 template <class T>
-MYOGROWTH_FUNCTION Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
   const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
   out.status = status;
   out.iterations = 0;
@@ -178,10 +192,11 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
   const bool grown = material.energy == EnergyPer::grown_volume;
   const T per_G = one / G;
   const T G_minus_1 = G - one;
-  const T ln_Je = log1p(T((d.J_minus_1 - G_minus_1) * per_G));
+  const T J_minus_G = d.J_minus_1 - G_minus_1;
+  const T ln_Je = ln_1_plus(T(J_minus_G * per_G), J_minus_G, G);
   out.G = G;
-  out.lambda_e = d.lambda / G;
-  out.Je = (one + d.J_minus_1) / G;
+  out.lambda_e = d.lambda * per_G;
+  out.Je = (one + d.J_minus_1) * per_G;
   out.c1 = grown ? T(G * material.c1) : T(material.c1);
   out.c2 = grown ? T(G * material.c2) : T(material.c2);
   const T pressure = out.c1 * ln_Je;
@@ -211,8 +226,9 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
 /// lambda_n: total fibre stretch at the beginning of the step, 1 if nothing has been deformed yet; only the
 /// midpoint flow uses it (with parameters that are plain numbers).
 template <class T, class P>
-MYOGROWTH_FUNCTION Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
-                                       const T& G_n, const T& lambda_n, const P& dt, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& material, const T F[9],
+                                                      const T n0[3], const T& G_n, const T& lambda_n,
+                                                      const P& dt, PointUpdate<T>& out) {
   using V = Real<T>;
   if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(Status::not_finite, G_n, out);
   if (!(value(G_n) > 0)) return detail::fail(Status::bad_state, G_n, out);
@@ -235,8 +251,10 @@ MYOGROWTH_FUNCTION Status update_point(const FibreGrowth<P>& material, const T F
   out.iterations = step.iterations;
   detail::stress(material, d, step.G, out);
 
-  if (!are_finite(out.tau, 6) || !are_finite(out.dtau_dG, 6) || !is_finite(out.psi) ||
-      !is_finite(out.lambda_e))
+  V sum = value(out.psi) + value(out.lambda_e);
+  for (int i = 0; i < 6; ++i) sum += value(out.tau[i]) + value(out.dtau_dG[i]);
+  if (!is_finite(sum) && !(are_finite(out.tau, 6) && are_finite(out.dtau_dG, 6) && is_finite(out.psi) &&
+                           is_finite(out.lambda_e)))
     return detail::fail(Status::not_finite, G_n, out);
   out.status = Status::ok;
   return out.status;

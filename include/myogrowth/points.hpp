@@ -111,6 +111,10 @@ struct Aosoa {
   }
   /// @endcond
 };
+/// An output in such blocks that lies on cache lines (64 bytes) and is written past the caches: for more
+/// points than caches hold. It saves the memory from reading what will be written over.
+template <class V, int components, int block = 16>
+struct Streamed : Aosoa<V, components, block> {};
 /// The same for all points.
 template <class V>
 struct Shared {
@@ -144,11 +148,22 @@ template <int components, int block = 16, class V = double>
 MYOGROWTH_FUNCTION Aosoa<V, components, block> aosoa(V* data) {
   return {data};
 }
+template <int components, int block = 16, class V = double>
+MYOGROWTH_FUNCTION Streamed<V, components, block> streamed(V* data) {
+  return {{data}};
+}
 template <class V>
 MYOGROWTH_FUNCTION Shared<V> shared(V* data) {
   return {data};
 }
 /// @}
+
+/// Materials of points: that of point i is data[index[i]].
+template <class V, class Index>
+struct Materials {
+  const FibreGrowth<V>* data;  ///< the materials
+  const Index* index;          ///< which of them, for every point
+};
 
 /// What goes in: F (9, column by column), n0 (3, of any length > 0), G_n, dt [time]; and, for the
 /// second-order step, lambda_n.

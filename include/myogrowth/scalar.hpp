@@ -21,6 +21,26 @@
 #else
 #define MYOGROWTH_FUNCTION
 #endif
+/// All that a function calls is put into it. (Not with the sanitizers: compilers take many minutes for packs
+/// then. A GPU's compiler does so by itself.)
+#if defined(__CUDACC__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MYOGROWTH_FLAT
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define MYOGROWTH_FLAT
+#endif
+#endif
+#if !defined(MYOGROWTH_FLAT) && defined(__GNUC__)
+#define MYOGROWTH_FLAT __attribute__((flatten))
+#elif !defined(MYOGROWTH_FLAT)
+#define MYOGROWTH_FLAT
+#endif
+/// What is rarely called: kept out of the code around it. (On a GPU a call would push all out of registers.)
+#if defined(__GNUC__) && !defined(__CUDACC__)
+#define MYOGROWTH_APART __attribute__((noinline))
+#else
+#define MYOGROWTH_APART
+#endif
 
 namespace myogrowth {
 
@@ -55,6 +75,28 @@ template <class R>
 std::complex<R> log1p(const std::complex<R>& z) {
   const R x = z.real(), y = z.imag();
   return {log1p(x * (2 + x) + y * y) / 2, std::atan2(y, 1 + x)};
+}
+
+/// ln(1 + f) = 2 artanh(s), s = f/(2 + f), for 1 + f from sqrt(1/2) to sqrt(2): with z = s^2 and h = f^2/2 it
+/// is f - (h - s (h + z Q(z))). Q by Chebyshev interpolation, error 3e-16; these are its coefficients.
+struct LogarithmSeries {
+  double Q[7] = {0.14616585424888621989, 0.15331710618210771568, 0.18182889455674946039,
+                 0.22222211130259877029, 0.28571428626003268742, 0.39999999999899443233,
+                 0.66666666666666696883};
+};
+
+/// ln(1 + d/G) for x = d/G. For doubles by the series that packs have as well (simd.hpp).
+template <class T>
+MYOGROWTH_FUNCTION T ln_1_plus(const T& x, const T&, const T&) {
+  return log1p(x);
+}
+MYOGROWTH_FUNCTION inline double ln_1_plus(double x, double d, double G) {
+  if (!(x > -0.29 && x < 0.41)) return log1p(x);
+  constexpr LogarithmSeries series{};
+  const auto& Q = series.Q;
+  const double s = d / (G + G + d), z = s * s, z2 = z * z, half_square = 0.5 * x * x;
+  const double sum = ((Q[6] + Q[5] * z) + z2 * (Q[4] + Q[3] * z)) + z2 * z2 * ((Q[2] + Q[1] * z) + z2 * Q[0]);
+  return x - (half_square - s * (half_square + z * sum));
 }
 
 /// True for ordinary numbers, false for NaN and infinity.
@@ -95,19 +137,21 @@ class Exponent {
   template <class T>
   MYOGROWTH_FUNCTION T operator()(const T& x) const {
     if (whole_ < 0) return pow(x, exponent_);
-    if (whole_ == 0) return half_ ? T(sqrt(x)) : T(Real<T>(1));
-    T product = x;
-    if (whole_ > 1) {
-      const T x2 = x * x, x4 = x2 * x2;
-      product = whole_ < 4 ? x2 : whole_ < 8 ? x4 : T(x4 * x4);
-      if (whole_ & 1) product = product * x;
-      if (whole_ > 4 && whole_ & 2) product = product * x2;
-    }
-    if (half_) product = product * sqrt(x);
-    return product;
+    const T product = whole_ == 2 ? T(x * x) : to_whole(x);
+    return half_ ? T(product * sqrt(x)) : product;
   }
 
  private:
+  template <class T>
+  MYOGROWTH_FUNCTION T to_whole(const T& x) const {
+    if (whole_ == 0) return T(Real<T>(1));
+    if (whole_ == 1) return x;
+    const T x2 = x * x, x4 = x2 * x2;
+    T product = whole_ < 4 ? x2 : whole_ < 8 ? x4 : T(x4 * x4);
+    if (whole_ & 1) product = product * x;
+    if (whole_ > 4 && whole_ & 2) product = product * x2;
+    return product;
+  }
   MYOGROWTH_FUNCTION void look(std::true_type) {
     if (!(exponent_ >= 0 && exponent_ < 9)) return;
     const int whole = static_cast<int>(exponent_);

@@ -9,7 +9,6 @@
 #define MYOGROWTH_SIMD_HPP
 
 #include <cstdint>
-#include <cstring>
 
 #include "scalar.hpp"
 
@@ -19,36 +18,23 @@
 #include <arm_neon.h>
 #endif
 
-/// All that a function calls is put into it; never put into others. The packs' code is fast as one piece
-/// alone. (Not with the sanitizers: compilers take many minutes for such a piece.)
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define MYOGROWTH_FLAT
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define MYOGROWTH_FLAT
-#endif
-#endif
-#if !defined(MYOGROWTH_FLAT)
-#define MYOGROWTH_FLAT __attribute__((flatten))
-#endif
-/// A function that stays one, for what is rarely called.
-#define MYOGROWTH_APART __attribute__((noinline))
-
 namespace myogrowth {
 namespace simd {
 
-/// Registers of N lanes of V, of N integers of the same size, and the constants of V's format. (g++ 12 takes
-/// vector_size with sizes that depend on a template for scalars, hence the list.)
+/// Registers of N lanes of V (`InMemory`: wherever V may lie), of N integers of the same size, and the
+/// constants of V's format. (g++ 12 takes vector_size with sizes that depend on a template for scalars, hence
+/// the list.)
 template <class V, int N>
 struct Register;
 /// @cond
-#define MYOGROWTH_REGISTER(V, Integer, N)                                 \
-  template <>                                                             \
-  struct Register<V, N> {                                                 \
-    typedef V Lanes __attribute__((vector_size(sizeof(V) * N)));          \
-    typedef Integer Integers __attribute__((vector_size(sizeof(V) * N))); \
-    using Unsigned = std::make_unsigned_t<Integer>;                       \
-    typedef Unsigned Bits __attribute__((vector_size(sizeof(V) * N)));    \
+#define MYOGROWTH_REGISTER(V, Integer, N)                                                          \
+  template <>                                                                                      \
+  struct Register<V, N> {                                                                          \
+    typedef V Lanes __attribute__((vector_size(sizeof(V) * N)));                                   \
+    typedef V InMemory __attribute__((vector_size(sizeof(V) * N), aligned(sizeof(V)), may_alias)); \
+    typedef Integer Integers __attribute__((vector_size(sizeof(V) * N)));                          \
+    using Unsigned = std::make_unsigned_t<Integer>;                                                \
+    typedef Unsigned Bits __attribute__((vector_size(sizeof(V) * N)));                             \
   };
 MYOGROWTH_REGISTER(double, std::int64_t, 2)
 MYOGROWTH_REGISTER(double, std::int64_t, 4)
@@ -71,6 +57,13 @@ constexpr int register_bytes = 16;
 template <class V>
 constexpr int native_lanes = register_bytes / static_cast<int>(sizeof(V));
 
+/// Lets what was streamed be seen before what is written from here on.
+inline void fence() {
+#if defined(__SSE2__)
+  _mm_sfence();
+#endif
+}
+
 /// True or false in every lane: all bits of an integer of V's size.
 template <class V, int N>
 struct Mask {
@@ -85,22 +78,42 @@ struct Pack {
   static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>;  ///< lanes of a register
   static constexpr int parts = N / width;                                  ///< registers
   using Lanes = typename Register<V, width>::Lanes;                        ///< a register
+  using InMemory = typename Register<V, width>::InMemory;                  ///< the same, wherever it lies
   Lanes v[parts];                                                          ///< the registers
 
   Pack() = default;
   /// The same in every lane.
   Pack(V x) {
-    for (Lanes& part : v) part = Lanes{} + x;
+    for (Lanes& part : v) part = x - Lanes{};  // (0 + x is not -0 for -0, and so an addition)
   }
 
   /// From N numbers one after the other.
   static Pack load(const V* from) {
     Pack p;
-    std::memcpy(&p.v, from, sizeof p.v);
+    for (int k = 0; k < parts; ++k) p.v[k] = *reinterpret_cast<const InMemory*>(from + k * width);
     return p;
   }
   /// To N numbers one after the other.
-  void store(V* to) const { std::memcpy(to, &v, sizeof v); }
+  void store(V* to) const {
+    for (int k = 0; k < parts; ++k) *reinterpret_cast<InMemory*>(to + k * width) = v[k];
+  }
+  /// To a multiple of a register's size, past the caches where the target can; fence() before others read it.
+  void stream(V* to) const {
+#if defined(__SSE2__)
+    for (int k = 0; k < parts; ++k) {
+      void* const at = to + k * width;
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+      if constexpr (sizeof v[0] == 64) _mm512_stream_si512(static_cast<__m512i*>(at), (__m512i)v[k]);
+#endif
+#if defined(__AVX__)
+      if constexpr (sizeof v[0] == 32) _mm256_stream_si256(static_cast<__m256i*>(at), (__m256i)v[k]);
+#endif
+      if constexpr (sizeof v[0] == 16) _mm_stream_si128(static_cast<__m128i*>(at), (__m128i)v[k]);
+    }
+#else
+    store(to);
+#endif
+  }
   /// One lane.
   V operator[](int lane) const { return v[lane / width][lane % width]; }
   /// Sets one lane.
@@ -359,6 +372,25 @@ typename Pack<V, N>::Lanes divide(const Pack<V, N>& a, const Pack<V, N>& b) {
   return a.v[0] / b.v[0];
 }
 
+/// a/b to 12 digits (7 for float), where the target has that for less.
+template <class V, int N>
+Pack<V, N> near_quotient(const Pack<V, N>& a, const Pack<V, N>& b) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof a.v[0] == 64) {
+    using detail::fused;
+    const auto one = Pack<V, N>(V(1)).v[0];
+    Pack<V, N> c;
+    for (int k = 0; k < c.parts; ++k) {
+      const auto r = detail::rough_reciprocal(b.v[k], V());  // good to 14 bits
+      const auto e = detail::fused_minus(b.v[k], r, one, V()), ar = a.v[k] * r;
+      c.v[k] = sizeof(V) == 8 ? fused(ar, fused(e, e, e, V()), ar, V()) : fused(ar, e, ar, V());  // to 42, 28
+    }
+    return c;
+  }
+#endif
+  return a / b;
+}
+
 /// a/b to 8 digits (4 for float), where the target has that for less.
 template <class V, int N>
 Pack<V, N> rough_quotient(const Pack<V, N>& a, const Pack<V, N>& b) {
@@ -435,14 +467,11 @@ typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& err
   const P k = number(exponent | F::magic) - number(Bits{} + F::magic) - P(V(F::bias));
   const P per_2k = number((static_cast<Unsigned>(2 * F::bias) - exponent) << F::digits);
   const P f = (m - P(V(1))) + error * per_2k;
-  // ln(1 + f) = 2 artanh(s) = f - (f^2/2 - s (f^2/2 + z Q(z))); Q by Chebyshev interpolation, error 3e-16
-  static constexpr double Q[] = {0.14616585424888621989, 0.15331710618210771568, 0.18182889455674946039,
-                                 0.22222211130259877029, 0.28571428626003268742, 0.39999999999899443233,
-                                 0.66666666666666696883};
   const P s = f / (P(V(2)) + f);
   const P z = s * s;
   const P half_square = P(V(0.5)) * f * f;
-  const P r = z * horner(z, Q, 7);
+  static constexpr LogarithmSeries series{};
+  const P r = z * horner(z, series.Q, 7);
   const P small = half_square - (s * (half_square + r) + k * P(F::ln2_low));
   return (k * P(F::ln2_high) - (small - f)).v[0];
 }
@@ -514,6 +543,17 @@ Pack<V, N> pow(const Pack<V, N>& x, V exponent) {
   if (exponent == 0) return one;
   const auto positive = x > zero;
   return select(positive, exp(log(select(positive, x, one)) * P(exponent)), zero);
+}
+
+/// ln(1 + d/G) for x = d/G, by the series alone where that is enough (scalar.hpp).
+template <class V, int N>
+Pack<V, N> ln_1_plus(const Pack<V, N>& x, const Pack<V, N>& d, const Pack<V, N>& G) {
+  using P = Pack<V, N>;
+  const P s = d / (G + G + d), z = s * s, half_square = P(V(0.5)) * x * x;
+  static constexpr LogarithmSeries series{};
+  const P y = x - (half_square - s * (half_square + z * detail::horner(z, series.Q, 7)));
+  const auto outside = !((x > P(V(-0.29))) & (x < P(V(0.41))));
+  return any(outside) ? select(outside, log1p(x), y) : y;
 }
 
 /// Whether nothing is carried in any lane.

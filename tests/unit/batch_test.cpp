@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include "../support/samples.hpp"
@@ -77,9 +78,9 @@ struct Config {
 };
 
 /// What update_batch returns; G goes where it came from if in_place.
-template <class C, class V = typename C::V>
-std::ptrdiff_t run(const FibreGrowth<V>& muscle, const std::vector<Point<V>>& points,
-                   std::vector<Result<V>>& results, bool in_place = false) {
+template <class C, class Muscle, class V = typename C::V>
+std::ptrdiff_t run(const Muscle& muscle, const std::vector<Point<V>>& points, std::vector<Result<V>>& results,
+                   bool in_place = false) {
   const auto n = static_cast<std::ptrdiff_t>(points.size());
   constexpr Layout layout = C::layout;
   Array<layout, 9, V> F(n, 0);
@@ -374,6 +375,32 @@ TYPED_TEST(Batch, APointsBitsAreItsOwn) {
   }
 }
 
+TYPED_TEST(Batch, PointsOfManyMaterialsAreThoseOfEach) {
+  using C = TypeParam;
+  samples::Random r(25);
+  const std::vector<FibreGrowth<>> materials = {material(r, 2, 0), material(r, 2.5, 1), material(r, 0.7, 2)};
+  for (std::size_t n : {0u, 1u, 16u, 33u, 100u}) {
+    auto points = some_points(r, materials[0], static_cast<int>(n), true, Kind::any, C::lean);
+    if (n > 20) points[7].G = -1;
+    std::vector<unsigned char> index;
+    while (index.size() < n) {  // runs of 1 to 40
+      const auto which = static_cast<unsigned char>(r.bits() % materials.size());
+      index.insert(index.end(), std::min(n - index.size(), 1 + r.bits() % 40), which);
+    }
+    std::vector<Result<double>> results, of_one;
+    const batch::Materials<double, unsigned char> view{materials.data(), index.data()};
+    const std::ptrdiff_t failed = run<C>(view, points, results);
+    EXPECT_EQ(failed, n > 20);
+    for (std::size_t m = 0; m < materials.size(); ++m) {
+      run<C>(materials[m], points, of_one);
+      for (std::size_t i = 0; i < n; ++i) {
+        if (index[i] != m) continue;
+        EXPECT_TRUE(same_bits(results[i], of_one[i])) << i << " of " << n;
+      }
+    }
+  }
+}
+
 TYPED_TEST(Batch, PointsWithoutAResultAreCountedAndNothingElseIsTouched) {
   using C = TypeParam;
   samples::Random r(23);
@@ -409,6 +436,41 @@ TYPED_TEST(Batch, PointsWithoutAResultAreCountedAndNothingElseIsTouched) {
     }
     EXPECT_EQ((run<C>(m, {}, results)), 0);
   }
+}
+
+TEST(BatchStreamed, IsTheSame) {
+  samples::Random r(26);
+  const FibreGrowth<> m = material(r, 2, 0);
+  constexpr std::ptrdiff_t n = 53, whole = 64;  // the last block is not full, and one point has no result
+  auto points = some_points(r, m, n, true, Kind::any, false);
+  points[20].G = -1;
+  struct alignas(64) Numbers {
+    double F[9 * whole], n0[3 * whole], G[whole], dt[whole];
+    double stress[2][6 * whole], G_end[2][whole], tangent[2][36 * whole];
+  };
+  const auto memory = std::make_unique<Numbers>();
+  Numbers& x = *memory;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const Point<double>& p = points[static_cast<std::size_t>(i)];
+    const std::ptrdiff_t block = i / 16, lane = i % 16;
+    for (int c = 0; c < 9; ++c) x.F[(block * 9 + c) * 16 + lane] = p.F[c];
+    for (int c = 0; c < 3; ++c) x.n0[(block * 3 + c) * 16 + lane] = p.n0[c];
+    x.G[i] = p.G, x.dt[i] = p.dt;
+  }
+  using batch::aosoa;
+  using batch::streamed;
+  const batch::Input in{aosoa<9>(x.F), aosoa<3>(x.n0), aosoa<1>(x.G), aosoa<1>(x.dt)};
+  EXPECT_EQ(
+      update_batch<full>(m, n, in,
+                         batch::Output{aosoa<6>(x.stress[0]), aosoa<1>(x.G_end[0]), aosoa<36>(x.tangent[0])}),
+      1);
+  EXPECT_EQ(update_batch<full>(
+                m, n, in,
+                batch::Output{streamed<6>(x.stress[1]), streamed<1>(x.G_end[1]), streamed<36>(x.tangent[1])}),
+            1);
+  EXPECT_EQ(std::memcmp(x.stress[0], x.stress[1], sizeof x.stress[0]), 0);
+  EXPECT_EQ(std::memcmp(x.G_end[0], x.G_end[1], sizeof x.G_end[0]), 0);
+  EXPECT_EQ(std::memcmp(x.tangent[0], x.tangent[1], sizeof x.tangent[0]), 0);
 }
 
 template <class C>

@@ -95,6 +95,17 @@ TYPED_TEST(Simd, Log1p) {
                         exact),
             1.5);
   EXPECT_EQ(log1p(P(V(0)))[0], 0);
+
+  // The law's own: with the series alone within its range, and the scalar's, which has the same.
+  const auto ours = [](const P& x) { return ln_1_plus(x, x, P(V(1))); };
+  const auto scalar = [](P x) {
+    for (int i = 0; i < N; ++i) x.set(i, myogrowth::ln_1_plus(x[i], x[i], V(1)));
+    return x;
+  };
+  EXPECT_LE(this->worst([&] { return static_cast<V>(r.uniform(-0.9, 2)); }, ours, exact), 1.5);
+  EXPECT_LE(this->worst([&] { return this->wide(is_double ? 1e-300 : 1e-36, 0.25); }, ours, exact), 1.5);
+  EXPECT_LE(this->worst([&] { return static_cast<V>(r.uniform(-0.9, 2)); }, scalar, exact), 1);
+  EXPECT_LE(this->worst([&] { return this->wide(is_double ? 1e-300 : 1e-36, 0.25); }, scalar, exact), 1);
 }
 
 TYPED_TEST(Simd, Log) {
@@ -155,9 +166,9 @@ TYPED_TEST(Simd, Pow) {
 TYPED_TEST(Simd, DivisionAndSquareRoot) {
   MYOGROWTH_NAMES;
   auto& r = this->r;
-  double worst = 0, worst_rough = 0;
+  double worst = 0, worst_rough = 0, worst_near = 0;
   for (int sample = 0; sample < 100000 / N; ++sample) {
-    V a[N], b[N], quotient[N], rough[N];
+    V a[N], b[N], quotient[N], rough[N], near_by[N];
     for (int i = 0; i < N; ++i) {
       const bool near = r.chance(0.5);  // the quotient itself and what corrects it stay in the normal range
       a[i] = this->wide(near ? 0.5 : is_double ? 1e-130 : 1e-14, near ? 2 : is_double ? 1e130 : 1e14);
@@ -165,15 +176,18 @@ TYPED_TEST(Simd, DivisionAndSquareRoot) {
     }
     (P::load(a) / P::load(b)).store(quotient);
     rough_quotient(P::load(a), P::load(b)).store(rough);
+    near_quotient(P::load(a), P::load(b)).store(near_by);
     for (int i = 0; i < N; ++i) {
       const long double exact = static_cast<long double>(a[i]) / b[i];
       worst = std::max(worst, ulps(quotient[i], exact));
       worst_rough = std::max(worst_rough, std::abs(static_cast<double>(rough[i] / exact - 1)));
+      worst_near = std::max(worst_near, std::abs(static_cast<double>(near_by[i] / exact - 1)));
     }
   }
   this->RecordProperty("worst_quotient", std::to_string(worst));
   EXPECT_LE(worst, 1);
   EXPECT_LE(worst_rough, is_double ? 1e-8 : 1e-4);
+  EXPECT_LE(worst_near, is_double ? 1e-12 : 3e-7);
   const double least = static_cast<double>(std::numeric_limits<V>::min() / std::numeric_limits<V>::epsilon());
   const auto root = [](const P& x) { return sqrt(x); };
   const auto exact = [](long double x) { return sqrtl(x); };
@@ -232,23 +246,34 @@ TYPED_TEST(Simd, LanesAndPartsKnowNothingOfEachOther) {
   MYOGROWTH_NAMES;
   using Part = Pack<V, P::width>;
   const V nan = std::numeric_limits<V>::quiet_NaN();
+  constexpr int functions = 12;
   const auto all = [](const auto& x, const auto& y, V* out) {
     using Q = std::decay_t<decltype(x)>;
     const int n = sizeof(Q) / sizeof(V);
-    const Q results[] = {x / y,  rough_quotient(x, y), sqrt(y), log1p(x), log(y),
-                         exp(x), pow(y, V(2.7)),       x + y,   x * y,    multiply_add(x, y, x)};
-    for (int k = 0; k < 10; ++k) results[k].store(out + k * n);
+    const Q results[] = {x / y,
+                         rough_quotient(x, y),
+                         near_quotient(x, y),
+                         sqrt(y),
+                         log1p(x),
+                         ln_1_plus(x, x, Q(V(1))),
+                         log(y),
+                         exp(x),
+                         pow(y, V(2.7)),
+                         x + y,
+                         x * y,
+                         multiply_add(x, y, x)};
+    for (int k = 0; k < functions; ++k) results[k].store(out + k * n);
   };
   for (int sample = 0; sample < 500; ++sample) {
     V x[N], y[N];
     for (V& entry : x) entry = this->r.chance(0.05) ? nan : static_cast<V>(this->r.uniform(-0.9, 5));
     for (V& entry : y) entry = this->r.chance(0.05) ? nan : static_cast<V>(this->r.log_uniform(1e-6, 1e6));
-    V whole[10 * N];
+    V whole[functions * N];
     all(P::load(x), P::load(y), whole);
     for (int k = 0; k < P::parts; ++k) {
-      V part[10 * P::width];
+      V part[functions * P::width];
       all(Part::load(x + k * P::width), Part::load(y + k * P::width), part);
-      for (int f = 0; f < 10; ++f) {
+      for (int f = 0; f < functions; ++f) {
         for (int i = 0; i < P::width; ++i) {
           const V a = whole[f * N + k * P::width + i], b = part[f * P::width + i];
           EXPECT_TRUE(std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b)) << f;
@@ -256,9 +281,9 @@ TYPED_TEST(Simd, LanesAndPartsKnowNothingOfEachOther) {
       }
     }
     const int lane = static_cast<int>(this->r.bits() % static_cast<unsigned>(N));
-    V alone[10 * N];
+    V alone[functions * N];
     all(P(x[lane]), P(y[lane]), alone);
-    for (int f = 0; f < 10; ++f) {
+    for (int f = 0; f < functions; ++f) {
       const V a = whole[f * N + lane], b = alone[f * N];
       EXPECT_TRUE(std::memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b)) << f;
     }
