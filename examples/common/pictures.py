@@ -56,14 +56,13 @@ def draw_fit(out):
     fig, axes = plt.subplots(2, n, figsize=(5.6 * n, 5.2), sharex="col", squeeze=False, height_ratios=[2, 1])
     for (ax, below), quantity in zip(axes.T, quantities):
         draw_measurements(ax, r, quantity)
-        ax.set(xlabel="", title=r["title"] if quantity == quantities[0] else "")
-        ax.title.set_ha("left")
-        ax.title.set_x(0)
+        ax.set_xlabel("")
         chosen = [m for m in r["measurements"] if m["quantity"] == quantity]
         below.plot([m["day"] for m in chosen], [(m["value"] - m["computed"]) / m["sd"] for m in chosen], "o", ms=4, color=ORANGE)
         for level in (-1.96, 0, 1.96):
             below.axhline(level, color="0.5", lw=0.8, ls=":" if level else "-")
         below.set(xlabel="time [days]", ylabel="(measured − law)/sd")
+    axes[0, 0].set_title(r["title"], loc="left")
     fig.tight_layout()
     save(fig, out / "fit.png")
 
@@ -91,7 +90,9 @@ def draw_fit(out):
 
 def draw_validation(out, folders):
     reports = [json.loads((folder / "report.json").read_text()) for folder in folders]
-    fig, axes = plt.subplots(2, 2, figsize=(9.6, 6.6))
+    fig, axes = plt.subplots(-(-len(reports) // 3), 3, figsize=(11.4, 6.2), squeeze=False)
+    for ax in axes.flat[len(reports):]:
+        ax.set_axis_off()
     rows = ["| study | day | quantity | published | the law | off by |", "|---|---|---|---|---|---|"]
     for ax, r in zip(axes.flat, reports):
         draw_measurements(ax, r, r["measurements"][-1]["quantity"])

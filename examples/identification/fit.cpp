@@ -161,6 +161,7 @@ std::vector<Fit> fits_from_starts(const Question& question, const Values& first,
 
 /// Derivatives of the residuals with respect to the fitted parameters, by Ceres from the Jets.
 Eigen::MatrixXd jacobian(const Question& question, const Values& values, const Free& free) {
+  if (question.data.fitted.empty()) return {};
   Problem problem(question, values, free);
   ceres::Problem::EvaluateOptions options;
   for (const study::Bounds& b : question.data.fitted)
@@ -186,6 +187,8 @@ struct Covariance {
 
   Covariance(const Eigen::MatrixXd& J, const std::vector<study::Bounds>& fitted) {
     const Eigen::Index n = J.cols();
+    exists = n == 0;
+    if (exists) return;
     // Columns of length 1, so that units do not matter.
     Eigen::VectorXd length = J.colwise().norm().transpose();
     for (double& l : length) l = l > 0 ? l : 1;
@@ -193,7 +196,7 @@ struct Covariance {
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
     Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
     s.head(svd.singularValues().size()) = svd.singularValues();
-    exists = n == 0 || s[n - 1] > 1e-7 * s[0];
+    exists = s[n - 1] > 1e-7 * s[0];
     covariance = correlation = Eigen::MatrixXd::Constant(n, n, std::numeric_limits<double>::quiet_NaN());
     if (!exists) {
       for (Eigen::Index i = 0; i < n; ++i) {
@@ -371,7 +374,10 @@ int fit(int argc, char** argv) {
     const auto d = static_cast<Eigen::Index>(i);
     const double x = best.values[static_cast<std::size_t>(study::growth_index(b.name))], sd = std::sqrt(c.covariance(d, d));
     const Profile along = profile(q, best, free, b, sd);
-    const auto end = [](double y) { return std::isfinite(y) ? format("%.5g", y) : std::string("open"); };
+    // A curvature of next to nothing is no interval.
+    const auto end = [&](double y) {
+      return std::isfinite(y) && std::abs(y) < 100 * b.upper ? format("%.5g", y) : std::string("open");
+    };
     text += format("| %s | %.5g | %s | %s to %s | %s to %s | %g to %g |\n", b.name.c_str(), x, end(sd).c_str(),
                    end(x - z_95 * sd).c_str(), end(x + z_95 * sd).c_str(), end(along.lower).c_str(),
                    end(along.upper).c_str(), b.lower, b.upper);

@@ -29,7 +29,7 @@ struct Outcome {
   double end_of_lengthening, final_stretch;
   double peak, peak_day;           // of lambda_e
   double above_injury, dose;       // days; their integral of lambda_e - injury [days]
-  double returned;                 // day; infinite: not within the run
+  double returned;                 // day; 0: never gone, infinite: not within the run
   double peak_force, final_G, final_lambda_e;
 };
 
@@ -105,7 +105,7 @@ int compare(const study::Options& options) {
     const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02));
     const Outcome o = judge(s, run, injury, within);
     study::write_file(std::filesystem::path(out) / (s.name + ".csv"), csv(run));
-    const std::string returned = std::isfinite(o.returned) ? format("%.2f", o.returned) : "never";
+    const std::string returned = !std::isfinite(o.returned) ? "never" : o.returned > 0 ? format("%.2f", o.returned) : "always";
     text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f |\n", o.title.c_str(), o.end_of_lengthening,
                    o.peak, o.peak_day, o.above_injury, o.dose, returned.c_str(), o.peak_force, o.final_G);
     items.push_back(study::json_object(
