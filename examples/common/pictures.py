@@ -13,6 +13,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.ticker  # noqa: E402
 from PIL import Image  # noqa: E402
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"  # Okabe and Ito's, for all eyes
@@ -40,11 +41,11 @@ def save(fig, path):
 
 # ---- Fit
 
-def draw_measurements(ax, r, quantity):
+def draw_measurements(ax, r, quantity, text="measured, ± sd"):
     ax.plot(r["time"], r[quantity], color=BLUE, lw=1.4, label="the law")
     chosen = [m for m in r["measurements"] if m["quantity"] == quantity]
     ax.errorbar([m["day"] for m in chosen], [m["value"] for m in chosen], yerr=[m["sd"] for m in chosen], fmt="o", ms=4,
-                color=ORANGE, capsize=2, lw=1, label="measured, ± sd")
+                color=ORANGE, capsize=2, lw=1, label=text)
     ax.set(xlabel="time [days]", ylabel=SYMBOLS[quantity])
     ax.legend()
 
@@ -79,6 +80,8 @@ def draw_fit(out):
         ax.axvline(p["estimate"], color="0.5", lw=0.8, ls=":")
         if max(p["profile_x"]) > 8 * min(p["profile_x"]):
             ax.set_xscale("log")
+        else:
+            ax.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5))
         ax.set(xlabel=SYMBOLS[p["name"]], ylim=(-0.3, 12))
     axes[0][0].set_ylabel(r"$\chi^2$ above its minimum, the others fitted anew")
     axes[0][0].legend()
@@ -95,9 +98,11 @@ def draw_validation(out, folders):
         ax.set_axis_off()
     rows = ["| study | day | quantity | published | the law | off by |", "|---|---|---|---|---|---|"]
     for ax, r in zip(axes.flat, reports):
-        draw_measurements(ax, r, r["measurements"][-1]["quantity"])
-        fitted = ", ".join(f"{plain(p['name'])} = {p['estimate']:.3g}" for p in r["parameters"])
-        ax.set_title(r["title"] + ("\nfitted: " + fitted if fitted else "\nnothing fitted"), loc="left", fontsize=8.5)
+        draw_measurements(ax, r, r["measurements"][-1]["quantity"], "published, ± sd")
+        fitted = ["{} = {:.3g} ({} to {})".format(plain(p["name"]), p["estimate"],
+                                                  *(f"{p[end]:.3g}" if p[end] else "open" for end in ("lower", "upper")))
+                  for p in r["parameters"]]
+        ax.set_title(r["title"] + "\n" + (", ".join(fitted) or "nothing fitted"), loc="left", fontsize=8.5)
         for m in r["measurements"]:
             off = 100 * (m["computed"] / m["value"] - 1)
             rows.append(f"| {r['title']} | {m['day']:g} | {m['quantity']} | {m['value']:.3f} ± {m['sd']:.3f} | "
@@ -112,9 +117,9 @@ def draw_validation(out, folders):
 # ---- Protocols
 
 def draw_protocol(out):
-    if (out / "report.json").exists() and "target" in json.loads((out / "report.json").read_text()):
-        return draw_design(out)
     r = json.loads((out / "report.json").read_text())
+    if "target" in r:
+        return draw_design(out, r)
     fig, axes = plt.subplots(2, 2, figsize=(9.6, 6.4))
     panels = [("stretch", r"stretch $\lambda$ [-]"), ("lambda_e", r"elastic stretch $\lambda_e$ [-]"),
               ("G", r"sarcomere number $G$ [-]"), ("force", "force per reference area [kPa]")]
@@ -122,15 +127,16 @@ def draw_protocol(out):
         for p, colour in zip(r["protocols"], CYCLE * 9):
             ax.plot(p["run"]["time"], p["run"][name], lw=1.2, color=colour, label=p["title"])
         ax.set(xlabel="time [days]", ylabel=label)
-    axes[0, 1].axhline(r["injury"], color="0.3", lw=0.9, ls="--", label="threshold")
-    axes[0, 1].axhline(1 + r["within"], color="0.3", lw=0.9, ls=":", label="returned")
-    axes[0, 1].legend()
+    for level, text in ((r["injury"], "threshold"), (1 + r["within"], "returned")):
+        axes[0, 1].axhline(level, color="0.3", lw=0.9, ls=":")
+        axes[0, 1].annotate(text, (0.99, level), xycoords=("axes fraction", "data"), xytext=(0, 3), textcoords="offset points",
+                            ha="right", color="0.3", fontsize=8)
+    axes[1, 0].legend(loc="lower right")
     fig.tight_layout()
     save(fig, out / "protocols.png")
 
 
-def draw_design(out):
-    r = json.loads((out / "report.json").read_text())
+def draw_design(out, r):
     fig, axes = plt.subplots(1, 2, figsize=(9.6, 3.8))
     last = 1.35 * max(x for x in (r["days"], r["step_days"] or 0, 1))
     for ax, name, label in zip(axes, ("stretch", "lambda_e"), (r"stretch $\lambda$ [-]", r"elastic stretch $\lambda_e$ [-]")):
@@ -172,6 +178,7 @@ def draw_sensitivity(out):
     axes[2].set_xscale("symlog", linthresh=1)
     axes[2].set(xlim=(0, r["days"]), xticks=[0, 0.5, 1, 2, 7, 14, 42], xlabel="time [days]")
     axes[2].xaxis.set_major_formatter("{x:g}")
+    axes[2].xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
     axes[2].set_title(r"$(p/\lambda_e)\,\partial\lambda_e/\partial p$ over time", loc="left")
     axes[2].legend(ncol=2)
     fig.tight_layout()
@@ -185,8 +192,8 @@ def draw_sensitivity(out):
                       [i[kind + "_interval"][1] - v for v, i in zip(values, g["indices"])]]
             ax.bar([x + shift for x in range(len(names))], values, width=0.38, color=colour,
                    label={"first": "first order", "total": "total"}[kind])
-            ax.errorbar([x + shift for x in range(len(names))], values, yerr=[[max(s, 0) for s in side] for side in spread], fmt="none", ecolor="0.2",
-                        elinewidth=0.9, capsize=2)
+            ax.errorbar([x + shift for x in range(len(names))], values, yerr=[[max(s, 0) for s in side] for side in spread],
+                        fmt="none", ecolor="0.2", elinewidth=0.9, capsize=2)
         ax.set_xticks(range(len(names)), [plain(n) for n in names])
         ax.set_title(g["output"].replace("lambda_e", r"$\lambda_e$") + f": {g['mean']:.4f} ± {g['sd']:.4f}", loc="left")
     axes[0].set_ylabel("Sobol's index [-]")

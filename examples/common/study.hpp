@@ -1,13 +1,14 @@
 /// @file
-/// What the studies have in common: a study's file, a history of stretch cut into time steps, growth along it,
-/// and what is written.
+/// What the studies have in common: a study's file, a history of stretch cut into time steps, growth along
+/// it, and what is written.
 ///
 /// A study is a CSV file of rows that begin with a keyword; `#` begins a comment, blank lines are skipped.
 ///
 ///   title, TEXT
 ///   include, FILE                    the rows of another file, looked for beside this one
 ///   set, NAME, VALUE                 a parameter: c1 c2 tau gamma G_max lambda_crit, and for removal
-///                                    tau_rev gamma_rev G_min lambda_rev [kPa, days]; else the paper's Table 1
+///                                    tau_rev gamma_rev G_min lambda_rev [kPa, days]; else the paper's Table
+///                                    1
 ///   fit, NAME, LOWER, UPPER          a parameter to be found between bounds: tau gamma G_max lambda_crit
 ///   rest_length, MM                  length at stretch 1, for `distract` and for schedules
 ///   step, STRETCH                    history: to this stretch at once
@@ -144,8 +145,8 @@ class Reader {
 
   static void check_removal(const myogrowth::FibreGrowth<>& m, const std::string& where) {
     if (m.removal.removal_time > 0 && m.removal.lambda_crit > m.growth.lambda_crit)
-      throw Error(where + ": lambda_rev = " + text_of(m.removal.lambda_crit) + ": expected at most lambda_crit = " +
-                  text_of(m.growth.lambda_crit));
+      throw Error(where + ": lambda_rev = " + text_of(m.removal.lambda_crit) +
+                  ": expected at most lambda_crit = " + text_of(m.growth.lambda_crit));
   }
 
  private:
@@ -189,7 +190,8 @@ class Reader {
   const Field& field(std::size_t i, const std::string& what) const {
     if (i < fields_.size() && !fields_[i].text.empty()) return fields_[i];
     const Field& last = fields_.back();
-    fail(i < fields_.size() ? fields_[i].column : last.column + last.text.size(), "expected " + what + ", found nothing");
+    fail(i < fields_.size() ? fields_[i].column : last.column + last.text.size(),
+         "expected " + what + ", found nothing");
   }
   [[noreturn]] void unexpected(const Field& f, const std::string& what) const {
     fail(f.column, "expected " + what + ", found '" + f.text + "'");
@@ -203,7 +205,8 @@ class Reader {
     return x;
   }
   void ends_after(std::size_t n) const {
-    if (fields_.size() > n) fail(fields_[n].column, "expected the end of the row, found '" + fields_[n].text + "'");
+    if (fields_.size() > n)
+      fail(fields_[n].column, "expected the end of the row, found '" + fields_[n].text + "'");
   }
 
   void add(double stretch, double days) {
@@ -221,14 +224,18 @@ class Reader {
       const Field name = field(1, "the name of a file");
       ends_after(2);
       const auto other = std::filesystem::path(path_).parent_path() / name.text;
-      if (depth > 4 || !std::ifstream(other)) unexpected(name, "the name of a file that can be read (and not in a circle)");
+      if (depth > 4 || !std::ifstream(other))
+        unexpected(name, "the name of a file that can be read (and not in a circle)");
       const std::string here = path_;
       file(other.string(), depth + 1);
       path_ = here;
     } else if (key == "set") {
       const Field& name = field(1, "the name of a parameter");
       const Parameter* p = find_parameter(name.text);
-      if (!p) unexpected(name, "a parameter: c1, c2, tau, gamma, G_max, lambda_crit, tau_rev, gamma_rev, G_min or lambda_rev");
+      if (!p)
+        unexpected(
+            name,
+            "a parameter: c1, c2, tau, gamma, G_max, lambda_crit, tau_rev, gamma_rev, G_min or lambda_rev");
       const double x = number(2, "a value", any);
       if (!(x > p->above && x < p->below)) unexpected(fields_[2], name.text + " " + allowed(*p));
       ends_after(3);
@@ -240,7 +247,8 @@ class Reader {
       const double lower = number(2, "a lower bound", p.above), upper = number(3, "an upper bound", lower);
       ends_after(4);
       auto same = [&](const Bounds& b) { return b.name == name.text; };
-      study_.fitted.erase(std::remove_if(study_.fitted.begin(), study_.fitted.end(), same), study_.fitted.end());
+      study_.fitted.erase(std::remove_if(study_.fitted.begin(), study_.fitted.end(), same),
+                          study_.fitted.end());
       study_.fitted.push_back({name.text, lower, upper});
     } else if (key == "rest_length") {
       study_.rest_length = number(1, "a length in mm", 0);
@@ -255,7 +263,8 @@ class Reader {
       add(study_.knots.back().stretch, number(1, "a time in days", 0));
       ends_after(2);
     } else if (key == "distract") {
-      if (!(study_.rest_length > 0)) fail(fields_[0].column, "expected a row 'rest_length, MM' before 'distract'");
+      if (!(study_.rest_length > 0))
+        fail(fields_[0].column, "expected a row 'rest_length, MM' before 'distract'");
       const double rate = number(1, "a rate in mm/day", any), days = number(2, "a time in days", 0);
       const double stretch = study_.knots.back().stretch + rate * days / study_.rest_length;
       if (!(stretch > 0)) unexpected(fields_[1], "a rate that leaves the length > 0");
@@ -288,7 +297,8 @@ class Reader {
 /// begin with `first` [day] and lengthen by `ratio` of the time since; none takes more than 0.002 of stretch.
 inline std::vector<Knot> cut(std::vector<Knot> knots, std::vector<double> stops, double first, double ratio) {
   std::sort(stops.begin(), stops.end());
-  if (!stops.empty() && stops.back() > knots.back().time) knots.push_back({stops.back(), knots.back().stretch});
+  if (!stops.empty() && stops.back() > knots.back().time)
+    knots.push_back({stops.back(), knots.back().stretch});
   std::vector<Knot> all{knots[0]};
   for (std::size_t k = 1; k < knots.size(); ++k) {
     const Knot a = knots[k - 1], b = knots[k];
@@ -304,7 +314,8 @@ inline std::vector<Knot> cut(std::vector<Knot> knots, std::vector<double> stops,
       if (stop != stops.end() && *stop < next) next = *stop;
       if (next > b.time - 1e-9 * length) next = b.time;
       t = next;
-      all.push_back({t, t == b.time ? b.stretch : a.stretch + (b.stretch - a.stretch) * (t - a.time) / length});
+      all.push_back(
+          {t, t == b.time ? b.stretch : a.stretch + (b.stretch - a.stretch) * (t - a.time) / length});
     }
   }
   return all;
@@ -347,12 +358,14 @@ inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const std::vecto
     const Knot& last = points[i > 0 ? i - 1 : 0];
     myogrowth::PointUpdate<double> u;
     double slope;
-    const auto status = uniaxial_stress(muscle, points[i].stretch, G, last.stretch, points[i].time - last.time,
-                                        lateral, u, slope);
+    const auto status = uniaxial_stress(muscle, points[i].stretch, G, last.stretch,
+                                        points[i].time - last.time, lateral, u, slope);
     if (status != myogrowth::Status::ok)
-      throw Error("no result at stretch " + text_of(points[i].stretch) + " on day " + text_of(points[i].time));
+      throw Error("no result at stretch " + text_of(points[i].stretch) + " on day " +
+                  text_of(points[i].time));
     G = u.G;
-    result.push_back({points[i].time, points[i].stretch, G, u.lambda_e, u.tau[0] / points[i].stretch, lateral});
+    result.push_back(
+        {points[i].time, points[i].stretch, G, u.lambda_e, u.tau[0] / points[i].stretch, lateral});
   }
   return result;
 }
@@ -419,7 +432,8 @@ class Options {
       double x;
       if (!p || equals == std::string::npos || !to_number(option.substr(equals + 1), x))
         throw Error("--set " + option + ": expected NAME=VALUE, the name of a parameter (--help lists them)");
-      if (!(x > p->above && x < p->below)) throw Error("--set " + option + ": expected " + p->name + " " + allowed(*p));
+      if (!(x > p->above && x < p->below))
+        throw Error("--set " + option + ": expected " + p->name + " " + allowed(*p));
       p->of(muscle) = x;
     }
     Reader::check_removal(muscle, "--set");
@@ -457,7 +471,8 @@ inline std::string json(const std::vector<double>& numbers) {
 }
 inline std::string json_object(const std::vector<std::pair<std::string, std::string>>& members) {
   std::string text = "{";
-  for (std::size_t i = 0; i < members.size(); ++i) text += (i ? ",\n " : "") + json(members[i].first) + ": " + members[i].second;
+  for (std::size_t i = 0; i < members.size(); ++i)
+    text += (i ? ",\n " : "") + json(members[i].first) + ": " + members[i].second;
   return text + "}";
 }
 

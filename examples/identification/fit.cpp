@@ -1,4 +1,5 @@
-// Finds parameters of the growth law from measured sarcomere lengths or numbers: least squares by Ceres Solver.
+// Finds parameters of the growth law from measured sarcomere lengths or numbers: least squares by Ceres
+// Solver.
 //
 // What of the library it shows: eq. 4's time step with a dual number as its scalar. A Jet for every parameter
 // goes in, and the derivatives of the whole history with respect to tau, gamma, G_max and lambda_crit come
@@ -50,10 +51,10 @@ struct Curve {
 /// What is asked of the data, beside the parameters.
 struct Question {
   const study::Study& data;
-  std::vector<study::Knot> points;     // the history, cut into steps that end at the measurements too
-  std::vector<std::size_t> at;         // of the measurements, in points
-  std::vector<double> measured;        // one of data.measurements or made up
-  double robust;                       // [sd]; 0: squares
+  std::vector<study::Knot> points;  // the history, cut into steps that end at the measurements too
+  std::vector<std::size_t> at;      // of the measurements, in points
+  std::vector<double> measured;     // one of data.measurements or made up
+  double robust;                    // [sd]; 0: squares
   mutable Curve<double> numbers{};
   mutable Curve<ceres::Jet<double, n_growth>> jets{};
 
@@ -64,7 +65,8 @@ struct Question {
   template <class T>
   T G(const myogrowth::GrowthRate<T>& growth, std::size_t i) const {
     using myogrowth::value;
-    const Values asked{value(growth.growth_time), value(growth.gamma), value(growth.G_max), value(growth.lambda_crit)};
+    const Values asked{value(growth.growth_time), value(growth.gamma), value(growth.G_max),
+                       value(growth.lambda_crit)};
     Curve<T>& known = curve(growth.growth_time);
     if (known.at != asked) {
       const auto& given = data.muscle.removal;
@@ -142,8 +144,8 @@ Fit minimise(const Question& question, const Values& start, const Free& free) {
 }
 
 /// Fits from several starts within the bounds, the first given. All fits, the best first.
-std::vector<Fit> fits_from_starts(const Question& question, const Values& first, const Free& free, long starts,
-                                  std::mt19937_64& random) {
+std::vector<Fit> fits_from_starts(const Question& question, const Values& first, const Free& free,
+                                  long starts, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Fit> fits{minimise(question, first, free)};
   for (long s = 1; s < starts && !question.data.fitted.empty(); ++s) {
@@ -151,7 +153,8 @@ std::vector<Fit> fits_from_starts(const Question& question, const Values& first,
     for (const study::Bounds& b : question.data.fitted) {
       const bool wide = b.lower > 0 && b.upper > 10 * b.lower;
       start[static_cast<std::size_t>(study::growth_index(b.name))] =
-          wide ? b.lower * std::pow(b.upper / b.lower, unit(random)) : b.lower + (b.upper - b.lower) * unit(random);
+          wide ? b.lower * std::pow(b.upper / b.lower, unit(random))
+               : b.lower + (b.upper - b.lower) * unit(random);
     }
     fits.push_back(minimise(question, start, free));
   }
@@ -165,7 +168,8 @@ Eigen::MatrixXd jacobian(const Question& question, const Values& values, const F
   Problem problem(question, values, free);
   ceres::Problem::EvaluateOptions options;
   for (const study::Bounds& b : question.data.fitted)
-    options.parameter_blocks.push_back(&problem.values[static_cast<std::size_t>(study::growth_index(b.name))]);
+    options.parameter_blocks.push_back(
+        &problem.values[static_cast<std::size_t>(study::growth_index(b.name))]);
   ceres::CRSMatrix sparse;
   problem.ceres.Evaluate(options, nullptr, nullptr, nullptr, &sparse);
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
@@ -200,7 +204,8 @@ struct Covariance {
     covariance = correlation = Eigen::MatrixXd::Constant(n, n, std::numeric_limits<double>::quiet_NaN());
     if (!exists) {
       for (Eigen::Index i = 0; i < n; ++i) {
-        if (std::abs(svd.matrixV()(i, n - 1)) > 1e-3) undetermined.push_back(fitted[static_cast<std::size_t>(i)].name);
+        if (std::abs(svd.matrixV()(i, n - 1)) > 1e-3)
+          undetermined.push_back(fitted[static_cast<std::size_t>(i)].name);
       }
       return;
     }
@@ -219,7 +224,8 @@ struct Profile {
 };
 
 /// Outward from the estimate, each fit starting from its neighbour's.
-Profile profile(const Question& question, const Fit& best, const Free& free, const study::Bounds& bounds, double sd) {
+Profile profile(const Question& question, const Fit& best, const Free& free, const study::Bounds& bounds,
+                double sd) {
   const auto p = static_cast<std::size_t>(study::growth_index(bounds.name));
   const double x0 = best.values[p], inf = std::numeric_limits<double>::infinity();
   Free others = free;
@@ -297,7 +303,8 @@ int coverage(const study::Study& data, const Values& truth, const Free& free, co
   std::vector<long> by_curvature(data.fitted.size(), 0), by_profile(data.fitted.size(), 0);
   std::vector<double> sum(data.fitted.size(), 0);
   for (long run = 0; run < runs; ++run) {
-    for (std::size_t i = 0; i < exact.size(); ++i) q.measured[i] = exact[i] + data.measurements[i].sd * normal(random);
+    for (std::size_t i = 0; i < exact.size(); ++i)
+      q.measured[i] = exact[i] + data.measurements[i].sd * normal(random);
     Values middle = truth;
     for (const study::Bounds& b : data.fitted)
       middle[static_cast<std::size_t>(study::growth_index(b.name))] = (b.lower + b.upper) / 2;
@@ -306,7 +313,8 @@ int coverage(const study::Study& data, const Values& truth, const Free& free, co
     for (std::size_t k = 0; k < data.fitted.size(); ++k) {
       const auto p = static_cast<std::size_t>(study::growth_index(data.fitted[k].name));
       const auto d = static_cast<Eigen::Index>(k);
-      if (c.exists && std::abs(best.values[p] - truth[p]) <= z_95 * std::sqrt(c.covariance(d, d))) ++by_curvature[k];
+      if (c.exists && std::abs(best.values[p] - truth[p]) <= z_95 * std::sqrt(c.covariance(d, d)))
+        ++by_curvature[k];
       Values held = best.values;
       held[p] = truth[p];
       Free others = free;
@@ -319,19 +327,22 @@ int coverage(const study::Study& data, const Values& truth, const Free& free, co
   std::fprintf(stderr, "\n");
   std::string rows;
   std::vector<std::string> items;
-  std::printf("%ld runs, %zu measurements each\n%-12s %10s %12s %26s %26s\n", runs, exact.size(), "parameter", "truth",
-              "mean found", "held by curvature's 95 %", "held by profile's 95 %");
+  std::printf("%ld runs, %zu measurements each\n%-12s %10s %12s %26s %26s\n", runs, exact.size(), "parameter",
+              "truth", "mean found", "held by curvature's 95 %", "held by profile's 95 %");
   for (std::size_t k = 0; k < data.fitted.size(); ++k) {
     const auto p = static_cast<std::size_t>(study::growth_index(data.fitted[k].name));
     const double n = static_cast<double>(runs), mean = sum[k] / n;
     std::printf("%-12s %10.5g %12.5g %24.1f %% %24.1f %%\n", data.fitted[k].name.c_str(), truth[p], mean,
                 100 * static_cast<double>(by_curvature[k]) / n, 100 * static_cast<double>(by_profile[k]) / n);
-    items.push_back(study::json_object({{"name", json(data.fitted[k].name)}, {"truth", json(truth[p])}, {"mean", json(mean)},
+    items.push_back(study::json_object({{"name", json(data.fitted[k].name)},
+                                        {"truth", json(truth[p])},
+                                        {"mean", json(mean)},
                                         {"by_curvature", std::to_string(by_curvature[k])},
                                         {"by_profile", std::to_string(by_profile[k])}}));
   }
-  study::write_file(std::filesystem::path(out) / "coverage.json",
-                    study::json_object({{"runs", std::to_string(runs)}, {"parameters", study::json_array(items)}}));
+  study::write_file(
+      std::filesystem::path(out) / "coverage.json",
+      study::json_object({{"runs", std::to_string(runs)}, {"parameters", study::json_array(items)}}));
   return 0;
 }
 
@@ -340,16 +351,19 @@ int fit(int argc, char** argv) {
   if (options.files.size() != 1) throw study::Error("expected one file (--help says more)");
   study::Study data = study::Reader::read(options.files[0]);
   options.set(data.muscle);
-  if (data.measurements.empty()) throw study::Error(options.files[0] + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
+  if (data.measurements.empty())
+    throw study::Error(options.files[0] + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
   const std::string out = options.text("out", "out/fit/" + data.name);
   std::filesystem::create_directories(out);
 
   const auto& growth = data.muscle.growth;
   const Values given{growth.growth_time, growth.gamma, growth.G_max, growth.lambda_crit};
   Free free{};
-  for (const study::Bounds& b : data.fitted) free[static_cast<std::size_t>(study::growth_index(b.name))] = true;
+  for (const study::Bounds& b : data.fitted)
+    free[static_cast<std::size_t>(study::growth_index(b.name))] = true;
   if (options.has("coverage")) {
-    if (data.fitted.empty()) throw study::Error(options.files[0] + ": expected a row 'fit, NAME, LOWER, UPPER'");
+    if (data.fitted.empty())
+      throw study::Error(options.files[0] + ": expected a row 'fit, NAME, LOWER, UPPER'");
     return coverage(data, given, free, options, out);
   }
 
@@ -368,38 +382,48 @@ int fit(int argc, char** argv) {
   if (k > 0) text += format("; %ld of %zu starts end there", static_cast<long>(agreeing), fits.size());
   text += ".\n\n";
 
-  if (k > 0) text += "| parameter | estimate | sd | 95 % by curvature | 95 % by profile likelihood | bounds |\n|---|---|---|---|---|---|\n";
+  if (k > 0)
+    text +=
+        "| parameter | estimate | sd | 95 % by curvature | 95 % by profile likelihood | bounds "
+        "|\n|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i < data.fitted.size(); ++i) {
     const study::Bounds& b = data.fitted[i];
     const auto d = static_cast<Eigen::Index>(i);
-    const double x = best.values[static_cast<std::size_t>(study::growth_index(b.name))], sd = std::sqrt(c.covariance(d, d));
+    const double x = best.values[static_cast<std::size_t>(study::growth_index(b.name))],
+                 sd = std::sqrt(c.covariance(d, d));
     const Profile along = profile(q, best, free, b, sd);
     // A curvature of next to nothing is no interval.
     const auto end = [&](double y) {
       return std::isfinite(y) && std::abs(y) < 100 * b.upper ? format("%.5g", y) : std::string("open");
     };
-    text += format("| %s | %.5g | %s | %s to %s | %s to %s | %g to %g |\n", b.name.c_str(), x, end(sd).c_str(),
-                   end(x - z_95 * sd).c_str(), end(x + z_95 * sd).c_str(), end(along.lower).c_str(),
-                   end(along.upper).c_str(), b.lower, b.upper);
+    text += format("| %s | %.5g | %s | %s to %s | %s to %s | %g to %g |\n", b.name.c_str(), x,
+                   end(sd).c_str(), end(x - z_95 * sd).c_str(), end(x + z_95 * sd).c_str(),
+                   end(along.lower).c_str(), end(along.upper).c_str(), b.lower, b.upper);
     const double width = b.upper - b.lower;
     if (x - b.lower < 1e-6 * width || b.upper - x < 1e-6 * width)
-      warnings.push_back(format("%s ends at a bound, %.5g: its interval by curvature means nothing.", b.name.c_str(), x));
+      warnings.push_back(
+          format("%s ends at a bound, %.5g: its interval by curvature means nothing.", b.name.c_str(), x));
     if (!std::isfinite(along.lower) || !std::isfinite(along.upper))
       warnings.push_back(format("The data do not bound %s %s between %g and %g.", b.name.c_str(),
                                 std::isfinite(along.lower)   ? "from above"
                                 : std::isfinite(along.upper) ? "from below"
                                                              : "at all",
                                 b.lower, b.upper));
-    parameters.push_back(study::json_object(
-        {{"name", json(b.name)}, {"estimate", json(x)}, {"sd", json(sd)}, {"lower", json(along.lower)},
-         {"upper", json(along.upper)}, {"bounds", json(std::vector<double>{b.lower, b.upper})},
-         {"profile_x", json(along.x)}, {"profile", json(along.chi2_more)}}));
+    parameters.push_back(study::json_object({{"name", json(b.name)},
+                                             {"estimate", json(x)},
+                                             {"sd", json(sd)},
+                                             {"lower", json(along.lower)},
+                                             {"upper", json(along.upper)},
+                                             {"bounds", json(std::vector<double>{b.lower, b.upper})},
+                                             {"profile_x", json(along.x)},
+                                             {"profile", json(along.chi2_more)}}));
   }
   if (!c.exists) {
     std::string names;
     for (const std::string& name : c.undetermined) names += (names.empty() ? "" : ", ") + name;
-    warnings.push_back(c.undetermined.size() == 1 ? "The data say nothing of " + names + "."
-                                                  : "The data cannot tell " + names + " apart: a combination of them is free.");
+    warnings.push_back(c.undetermined.size() == 1
+                           ? "The data say nothing of " + names + "."
+                           : "The data cannot tell " + names + " apart: a combination of them is free.");
   }
   for (Eigen::Index i = 0; i < c.correlation.rows(); ++i) {
     std::vector<double> row;
@@ -414,14 +438,19 @@ int fit(int argc, char** argv) {
   }
   if (n < k) warnings.push_back(format("%ld measurements cannot decide %ld parameters.", n, k));
   if (n > k && best.chi2 > static_cast<double>(n - k) + 3 * std::sqrt(2.0 * static_cast<double>(n - k)))
-    warnings.push_back(format("chi2 = %.1f for %ld degrees of freedom: the law misses the data by more than their deviations, "
-                              "and the intervals are too narrow.",
-                              best.chi2, n - k));
+    warnings.push_back(format(
+        "chi2 = %.1f for %ld degrees of freedom: the law misses the data by more than their deviations, "
+        "and the intervals are too narrow.",
+        best.chi2, n - k));
 
   if (k > 1 && c.exists) {
     text += "\nCorrelation:\n\n| |";
     for (const auto& b : data.fitted) text += " " + b.name + " |";
-    text += "\n|---|" + [&] { std::string dashes; for (long j = 0; j < k; ++j) dashes += "---|"; return dashes; }() + "\n";
+    text += "\n|---|" + [&] {
+      std::string dashes;
+      for (long j = 0; j < k; ++j) dashes += "---|";
+      return dashes;
+    }() + "\n";
     for (Eigen::Index i = 0; i < k; ++i) {
       text += "| " + data.fitted[static_cast<std::size_t>(i)].name + " |";
       for (Eigen::Index j = 0; j < k; ++j) text += format(" %.3f |", c.correlation(i, j));
@@ -432,9 +461,13 @@ int fit(int argc, char** argv) {
   for (std::size_t i = 0; i < q.measured.size(); ++i) {
     const study::Measurement& m = data.measurements[i];
     const double y = computed(q, best.values, i), off = 100 * (y - m.value) / m.value;
-    text += format("| %g | %s | %.4f | %.4f | %.4f | %+.2f %% |\n", m.time, m.of_G ? "G" : "lambda_e", m.value, m.sd, y, off);
-    points.push_back(study::json_object({{"day", json(m.time)}, {"quantity", json(std::string(m.of_G ? "G" : "lambda_e"))},
-                                         {"value", json(m.value)}, {"sd", json(m.sd)}, {"computed", json(y)}}));
+    text += format("| %g | %s | %.4f | %.4f | %.4f | %+.2f %% |\n", m.time, m.of_G ? "G" : "lambda_e",
+                   m.value, m.sd, y, off);
+    points.push_back(study::json_object({{"day", json(m.time)},
+                                         {"quantity", json(std::string(m.of_G ? "G" : "lambda_e"))},
+                                         {"value", json(m.value)},
+                                         {"sd", json(m.sd)},
+                                         {"computed", json(y)}}));
   }
   for (const std::string& warning : warnings) text += "\n**Warning:** " + warning + "\n";
   std::printf("%s", text.c_str());
@@ -450,10 +483,14 @@ int fit(int argc, char** argv) {
   study::write_file(
       std::filesystem::path(out) / "report.json",
       study::json_object(
-          {{"title", json(data.title)}, {"name", json(data.name)}, {"chi2", json(best.chi2)},
-           {"measurements", study::json_array(points)}, {"parameters", study::json_array(parameters)},
+          {{"title", json(data.title)},
+           {"name", json(data.name)},
+           {"chi2", json(best.chi2)},
+           {"measurements", study::json_array(points)},
+           {"parameters", study::json_array(parameters)},
            {"values", json(std::vector<double>(best.values.begin(), best.values.end()))},
-           {"starts_agreeing", std::to_string(agreeing)}, {"starts", std::to_string(fits.size())},
+           {"starts_agreeing", std::to_string(agreeing)},
+           {"starts", std::to_string(fits.size())},
            {"correlation", study::json_array(correlation)},
            {"warnings", study::json_array(warnings, [](const std::string& w) { return w; })},
            {"time", study::json_array(curve, [](const study::Point& p) { return p.time; })},

@@ -1,7 +1,7 @@
 // Compares protocols of lengthening, and finds the fastest that keeps the elastic stretch below a limit.
 //
-// What of the library it shows: a strip of muscle with free sides, pulled (study.hpp, pull: uniaxial_stress with the
-// exact flow of eq. 4), and the adaptation function by itself.
+// What of the library it shows: a strip of muscle with free sides, pulled (study.hpp, pull: uniaxial_stress
+// with the exact flow of eq. 4), and the adaptation function by itself.
 #include "../common/study.hpp"
 
 namespace {
@@ -27,9 +27,9 @@ stretch never exceeds LAMBDA_E, with its daily schedule; FILE may set the parame
 struct Outcome {
   std::string title, name;
   double end_of_lengthening, final_stretch;
-  double peak, peak_day;           // of lambda_e
-  double above_injury, dose;       // days; their integral of lambda_e - injury [days]
-  double returned;                 // day; 0: never gone, infinite: not within the run
+  double peak, peak_day;      // of lambda_e
+  double above_injury, dose;  // days; their integral of lambda_e - injury [days]
+  double returned;            // day; 0: never gone, infinite: not within the run
   double peak_force, final_G, final_lambda_e;
 };
 
@@ -76,8 +76,11 @@ std::string json_of(const std::vector<Point>& run) {
   const auto column = [&](double Point::*member) {
     return study::json_array(run, [member](const Point& p) { return p.*member; });
   };
-  return study::json_object({{"time", column(&Point::time)}, {"stretch", column(&Point::stretch)}, {"G", column(&Point::G)},
-                             {"lambda_e", column(&Point::lambda_e)}, {"force", column(&Point::force)}});
+  return study::json_object({{"time", column(&Point::time)},
+                             {"stretch", column(&Point::stretch)},
+                             {"G", column(&Point::G)},
+                             {"lambda_e", column(&Point::lambda_e)},
+                             {"force", column(&Point::force)}});
 }
 
 int compare(const study::Options& options) {
@@ -89,45 +92,58 @@ int compare(const study::Options& options) {
   for (const std::string& file : options.files) {
     protocols.push_back(study::Reader::read(file));
     options.set(protocols.back().muscle);
-    if (protocols.back().knots.size() < 2) throw study::Error(file + ": expected a row step, ramp, hold or distract");
+    if (protocols.back().knots.size() < 2)
+      throw study::Error(file + ": expected a row step, ramp, hold or distract");
     for (const study::Study& other : protocols) {
       if (&other != &protocols.back() && other.name == protocols.back().name)
         throw study::Error(file + ": expected another name than that of a file before");
     }
     end = std::max(end, protocols.back().knots.back().time);
   }
-  std::string text = format("| protocol | lengthened by day | peak lambda_e | on day | days above %g | dose above it [days] | "
-                            "below %g from day | peak force | G at the end |\n|---|---|---|---|---|---|---|---|---|\n",
-                            injury, 1 + within);
+  std::string text = format(
+      "| protocol | lengthened by day | peak lambda_e | on day | days above %g | dose above it [days] | "
+      "below %g from day | peak force | G at the end |\n|---|---|---|---|---|---|---|---|---|\n",
+      injury, 1 + within);
   std::vector<std::string> items;
   for (const study::Study& s : protocols) {
     // All to the same day, so that they can be compared.
     const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02));
     const Outcome o = judge(s, run, injury, within);
     study::write_file(std::filesystem::path(out) / (s.name + ".csv"), csv(run));
-    const std::string returned = !std::isfinite(o.returned) ? "never" : o.returned > 0 ? format("%.2f", o.returned) : "always";
-    text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f |\n", o.title.c_str(), o.end_of_lengthening,
-                   o.peak, o.peak_day, o.above_injury, o.dose, returned.c_str(), o.peak_force, o.final_G);
-    items.push_back(study::json_object(
-        {{"name", json(o.name)}, {"title", json(o.title)}, {"end_of_lengthening", json(o.end_of_lengthening)},
-         {"final_stretch", json(o.final_stretch)}, {"peak_lambda_e", json(o.peak)}, {"peak_day", json(o.peak_day)},
-         {"days_above_injury", json(o.above_injury)}, {"dose_above_injury", json(o.dose)}, {"returned", json(o.returned)},
-         {"peak_force", json(o.peak_force)}, {"final_G", json(o.final_G)}, {"final_lambda_e", json(o.final_lambda_e)},
-         {"run", json_of(run)}}));
+    const std::string returned = !std::isfinite(o.returned) ? "never"
+                                 : o.returned > 0           ? format("%.2f", o.returned)
+                                                            : "always";
+    text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f |\n", o.title.c_str(),
+                   o.end_of_lengthening, o.peak, o.peak_day, o.above_injury, o.dose, returned.c_str(),
+                   o.peak_force, o.final_G);
+    items.push_back(study::json_object({{"name", json(o.name)},
+                                        {"title", json(o.title)},
+                                        {"end_of_lengthening", json(o.end_of_lengthening)},
+                                        {"final_stretch", json(o.final_stretch)},
+                                        {"peak_lambda_e", json(o.peak)},
+                                        {"peak_day", json(o.peak_day)},
+                                        {"days_above_injury", json(o.above_injury)},
+                                        {"dose_above_injury", json(o.dose)},
+                                        {"returned", json(o.returned)},
+                                        {"peak_force", json(o.peak_force)},
+                                        {"final_G", json(o.final_G)},
+                                        {"final_lambda_e", json(o.final_lambda_e)},
+                                        {"run", json_of(run)}}));
   }
   std::printf("%s", text.c_str());
   study::write_file(std::filesystem::path(out) / "report.md", text + "\n![protocols](protocols.png)\n");
-  study::write_file(std::filesystem::path(out) / "report.json",
-                    study::json_object({{"injury", json(injury)}, {"within", json(within)},
-                                        {"protocols", study::json_array(items)}}));
+  study::write_file(
+      std::filesystem::path(out) / "report.json",
+      study::json_object(
+          {{"injury", json(injury)}, {"within", json(within)}, {"protocols", study::json_array(items)}}));
   std::printf("\nresults in %s\n", out.c_str());
   return 0;
 }
 
 // ---- The fastest admissible protocol (docs/studies.md has the proof)
 
-/// With lambda_e held at its limit m the right side of eq. 4 is a function of G alone. In x = (G_max - G)/(G_max - 1)
-/// it reads dx/dt = -s x^gamma, s = (m - lambda_crit)/(tau (G_max - 1)), x(0) = 1.
+/// With lambda_e held at its limit m the right side of eq. 4 is a function of G alone. In x = (G_max -
+/// G)/(G_max - 1) it reads dx/dt = -s x^gamma, s = (m - lambda_crit)/(tau (G_max - 1)), x(0) = 1.
 struct Ride {
   const myogrowth::GrowthRate<>& growth;
   double limit;
@@ -168,7 +184,8 @@ std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, dou
   return knots;
 }
 
-/// The shortest ramp at a constant rate, from stretch 1, that keeps to the limit; its days. Infinite: longer than `most`.
+/// The shortest ramp at a constant rate, from stretch 1, that keeps to the limit; its days. Infinite: longer
+/// than `most`.
 double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, double target, double most) {
   const auto admissible = [&](double days) {
     const auto run = study::pull(muscle, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0));
@@ -182,7 +199,8 @@ double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, doubl
 
 int design(const study::Options& options) {
   const double target = options.number("design", 0, 1), limit = options.number("limit", 0, 0);
-  if (options.files.size() > 1) throw study::Error("--design: expected at most one file, for parameters and rest length");
+  if (options.files.size() > 1)
+    throw study::Error("--design: expected at most one file, for parameters and rest length");
   study::Study s;
   if (!options.files.empty()) s = study::Reader::read(options.files[0]);
   options.set(s.muscle);
@@ -190,8 +208,9 @@ int design(const study::Options& options) {
   const double rest = options.number("rest-length", s.rest_length > 0 ? s.rest_length : 100, 0);
   if (!options.has("limit")) throw study::Error("--design: expected --limit LAMBDA_E with it");
   if (!(limit > growth.lambda_crit) || !(limit > 1))
-    throw study::Error("--limit = " + study::text_of(limit) + ": expected more than 1 and than lambda_crit = " +
-                       study::text_of(growth.lambda_crit) + ", or nothing grows");
+    throw study::Error("--limit = " + study::text_of(limit) +
+                       ": expected more than 1 and than lambda_crit = " + study::text_of(growth.lambda_crit) +
+                       ", or nothing grows");
   const std::string out = options.text("out", "out/design");
   std::filesystem::create_directories(out);
 
@@ -199,10 +218,11 @@ int design(const study::Options& options) {
   const double days = ride.day(target);
   if (!std::isfinite(days)) {
     const bool ends = growth.gamma < 1;
-    std::printf("No protocol reaches stretch %g with lambda_e <= %g: the muscle grows to G_max = %g at most, and so\n"
-                "to stretch %g x %g = %g%s. Allow lambda_e > %.5g, or ask for less.\n",
-                target, limit, growth.G_max, limit, growth.G_max, limit * growth.G_max,
-                ends ? "" : ", which it nears without an end", target / growth.G_max);
+    std::printf(
+        "No protocol reaches stretch %g with lambda_e <= %g: the muscle grows to G_max = %g at most, and so\n"
+        "to stretch %g x %g = %g%s. Allow lambda_e > %.5g, or ask for less.\n",
+        target, limit, growth.G_max, limit, growth.G_max, limit * growth.G_max,
+        ends ? "" : ", which it nears without an end", target / growth.G_max);
     return 1;
   }
 
@@ -214,7 +234,8 @@ int design(const study::Options& options) {
     knots.push_back({t, limit * ride.G(t)});
   }
   const double after = std::max(days, 14.0);
-  const auto run = study::pull(s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02));
+  const auto run =
+      study::pull(s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02));
   double peak = 0, off = 0;
   for (const Point& p : run) {
     peak = std::max(peak, p.lambda_e);
@@ -228,18 +249,25 @@ int design(const study::Options& options) {
   for (const Point& p : step_run) step_peak = std::max(step_peak, p.lambda_e);
   const double ramp_days = days > 0 ? shortest_ramp(s.muscle, limit, target, 100 * days) : 0;
 
-  std::string text = format("Stretch %g, %g mm of %g mm, with lambda_e <= %g\n\n", target, rest * (target - 1), rest, limit);
+  std::string text =
+      format("Stretch %g, %g mm of %g mm, with lambda_e <= %g\n\n", target, rest * (target - 1), rest, limit);
   text += "| protocol | days | peak lambda_e |\n|---|---|---|\n";
-  text += format("| fastest: at once to %g, then riding the limit (closed form) | %.4f | %g |\n", std::min(limit, target), days,
-                 std::min(limit, target));
+  text += format("| fastest: at once to %g, then riding the limit (closed form) | %.4f | %g |\n",
+                 std::min(limit, target), days, std::min(limit, target));
   text += format("| the same, simulated: G off by %.1e at most | %.4f | %.6f |\n", off, days, peak);
-  text += steps_arrive ? format("| in steps once a day, up to the limit each | %.0f | %.6f |\n", step_days, step_peak)
-                       : std::string("| in steps once a day, up to the limit each | not within 3650 | |\n");
-  text += std::isfinite(ramp_days) ? format("| at a constant rate, the shortest that is admissible | %.4f | %g |\n", ramp_days, limit)
-                                   : std::string("| at a constant rate, the shortest that is admissible | more than 100 times the fastest | |\n");
+  text += steps_arrive
+              ? format("| in steps once a day, up to the limit each | %.0f | %.6f |\n", step_days, step_peak)
+              : std::string("| in steps once a day, up to the limit each | not within 3650 | |\n");
+  text +=
+      std::isfinite(ramp_days)
+          ? format("| at a constant rate, the shortest that is admissible | %.4f | %g |\n", ramp_days, limit)
+          : std::string(
+                "| at a constant rate, the shortest that is admissible | more than 100 times the fastest | "
+                "|\n");
   std::printf("%s", text.c_str());
 
-  std::string schedule = "day,fastest_stretch,fastest_mm,fastest_mm_this_day,steps_stretch,steps_mm,steps_mm_this_day\n";
+  std::string schedule =
+      "day,fastest_stretch,fastest_mm,fastest_mm_this_day,steps_stretch,steps_mm,steps_mm_this_day\n";
   double last = 0, last_step = 0;
   const int last_day = static_cast<int>(std::ceil(std::max(days, steps_arrive ? step_days : 0)));
   const auto stretch_of_steps = [&](int day) {
@@ -249,19 +277,26 @@ int design(const study::Options& options) {
   for (int day = 0; day <= last_day; ++day) {
     const double a = std::min(target, limit * ride.G(std::min(static_cast<double>(day), days)));
     const double b = stretch_of_steps(day), mm = rest * (a - 1), step_mm = rest * (b - 1);
-    schedule += format("%d,%.6f,%.4f,%.4f,%.6f,%.4f,%.4f\n", day, a, mm, mm - last, b, step_mm, step_mm - last_step);
+    schedule +=
+        format("%d,%.6f,%.4f,%.4f,%.6f,%.4f,%.4f\n", day, a, mm, mm - last, b, step_mm, step_mm - last_step);
     last = mm;
     last_step = step_mm;
   }
   study::write_file(std::filesystem::path(out) / "schedule.csv", schedule);
   study::write_file(std::filesystem::path(out) / "report.md", text + "\n![design](design.png)\n");
   study::write_file(std::filesystem::path(out) / "fastest.csv", csv(run));
-  study::write_file(
-      std::filesystem::path(out) / "report.json",
-      study::json_object({{"target", json(target)}, {"limit", json(limit)}, {"days", json(days)}, {"peak", json(peak)},
-                          {"G_off", json(off)}, {"step_days", json(steps_arrive ? step_days : NAN)}, {"step_peak", json(step_peak)},
-                          {"ramp_days", json(ramp_days)}, {"rest_length", json(rest)}, {"run", json_of(run)},
-                          {"steps", json_of(step_run)}}));
+  study::write_file(std::filesystem::path(out) / "report.json",
+                    study::json_object({{"target", json(target)},
+                                        {"limit", json(limit)},
+                                        {"days", json(days)},
+                                        {"peak", json(peak)},
+                                        {"G_off", json(off)},
+                                        {"step_days", json(steps_arrive ? step_days : NAN)},
+                                        {"step_peak", json(step_peak)},
+                                        {"ramp_days", json(ramp_days)},
+                                        {"rest_length", json(rest)},
+                                        {"run", json_of(run)},
+                                        {"steps", json_of(step_run)}}));
   std::printf("\nlengths day by day: %s/schedule.csv\nresults in %s\n", out.c_str(), out.c_str());
   return 0;
 }
@@ -270,7 +305,8 @@ int design(const study::Options& options) {
 
 int main(int argc, char** argv) {
   return study::run([&] {
-    const study::Options options(argc, argv, help, {"set", "injury", "within", "design", "limit", "rest-length", "out"});
+    const study::Options options(argc, argv, help,
+                                 {"set", "injury", "within", "design", "limit", "rest-length", "out"});
     if (options.has("design")) return design(options);
     if (options.files.empty()) throw study::Error("expected a file, or --design (--help says more)");
     return compare(options);

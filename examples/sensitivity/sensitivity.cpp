@@ -1,14 +1,17 @@
-// What decides how far a muscle is overstretched? Sensitivity of the elastic stretch and the force to the law's
-// parameters and to the ramp: local, by dual numbers through whole histories; global, by Sobol's indices.
+// What decides how far a muscle is overstretched? Sensitivity of the elastic stretch and the force to the
+// law's parameters and to the ramp: local, by dual numbers through whole histories; global, by Sobol's
+// indices.
 //
-// What of the library it shows: parameters as dual numbers, uniaxial stress included; and the batch kernel on a
-// million histories whose parameters all differ. The batch takes one material a call (a SIMD pack cannot be the
-// parameters' type: the local solve branches on them). But eq. 4 has similarity solutions: with s = G_max/2,
+// What of the library it shows: parameters as dual numbers, uniaxial stress included; and the batch kernel on
+// a million histories whose parameters all differ. The batch takes one material a call (a SIMD pack cannot be
+// the parameters' type: the local solve branches on them). But eq. 4 has similarity solutions: with s =
+// G_max/2,
 //
 //   G = s G', lambda = lambda_crit s lambda', t = t' s tau/lambda_crit [(G_max - 1)/s]^gamma
 //
-// make of every history one of the material with tau = 1, G_max = 2, lambda_crit = 1 and the same gamma. Stretch,
-// start and time step are any point's own. What is left is gamma: it takes one of `levels` values, a call each.
+// make of every history one of the material with tau = 1, G_max = 2, lambda_crit = 1 and the same gamma.
+// Stretch, start and time step are any point's own. What is left is gamma: it takes one of `levels` values, a
+// call each.
 #include <array>
 #include <chrono>
 #include <ctime>
@@ -18,6 +21,7 @@
 
 #include "../common/jet.hpp"
 #include "../common/study.hpp"
+#include "sobol.hpp"
 
 namespace {
 
@@ -40,7 +44,8 @@ Global: Sobol's indices of independent, uniform parameters, with 95 % bootstrap 
 )";
 
 constexpr std::size_t n_inputs = 7;
-constexpr std::array<const char*, n_inputs> names = {"tau", "gamma", "G_max", "lambda_crit", "ramp", "c1", "c2"};
+constexpr std::array<const char*, n_inputs> names = {"tau",  "gamma", "G_max", "lambda_crit",
+                                                     "ramp", "c1",    "c2"};
 constexpr std::size_t gamma_input = 1;
 constexpr int levels = 64;  // of gamma
 template <class T>
@@ -124,9 +129,10 @@ struct AlongFibre {
   struct Place {
     const double* stretch;
     const double* operator()(int c) const {
-      static constexpr double zeros[64] = {}, ones[64] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
-                                                          1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
-                                                          1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+      static constexpr double zeros[64] = {},
+                              ones[64] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+                                          1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+                                          1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
       return c == 0 ? stretch : c % 4 == 0 ? ones : zeros;
     }
   };
@@ -157,11 +163,12 @@ void run_together(const Case& c, History* const* some, std::size_t n) {
     peak[i] = 0;
   }
   const auto points = static_cast<std::ptrdiff_t>(n);
-  const myogrowth::batch::Input in{AlongFibre{stretch}, myogrowth::batch::shared(fibre), myogrowth::batch::soa(G, points),
-                                   myogrowth::batch::soa(dt, points)};
+  const myogrowth::batch::Input in{AlongFibre{stretch}, myogrowth::batch::shared(fibre),
+                                   myogrowth::batch::soa(G, points), myogrowth::batch::soa(dt, points)};
   const myogrowth::batch::Output out{myogrowth::batch::None{}, myogrowth::batch::soa(G, points)};
   const auto step = [&](double lambda) {
-    if (myogrowth::update_batch<myogrowth::Tangent::none>(material, points, in, out) > 0) throw study::Error("a history has no result");
+    if (myogrowth::update_batch<myogrowth::Tangent::none>(material, points, in, out) > 0)
+      throw study::Error("a history has no result");
     for (std::size_t i = 0; i < n; ++i) {
       const double lambda_e = some[i]->x[3] * stretch[i] / G[i];
       if (lambda_e > peak[i]) {
@@ -206,7 +213,8 @@ void in_threads(std::size_t parts, unsigned threads, const char* what, const Bod
       for (std::size_t part = w; part < parts; part += threads) {
         body(part);
         if (w == 0 && part / threads % (parts / threads / 10 + 1) == 0)
-          std::fprintf(stderr, "\r  %s: %3.0f %%", what, 100.0 * static_cast<double>(part) / static_cast<double>(parts));
+          std::fprintf(stderr, "\r  %s: %3.0f %%", what,
+                       100.0 * static_cast<double>(part) / static_cast<double>(parts));
       }
     });
   }
@@ -222,13 +230,14 @@ void run_all(const Case& c, std::vector<History>& all, unsigned threads) {
     for (std::size_t i = 0; i < level.size(); i += 256)
       parts.push_back({level.data() + i, std::min<std::size_t>(256, level.size() - i)});
   }
-  in_threads(parts.size(), threads, "histories", [&](std::size_t p) { run_together(c, parts[p].first, parts[p].second); });
+  in_threads(parts.size(), threads, "histories",
+             [&](std::size_t p) { run_together(c, parts[p].first, parts[p].second); });
 }
 
 // ---- Sobol's indices
 
-/// Saltelli's plan: two independent samples A and B, and A with one column of B at a time; n_inputs + 2 histories
-/// for every row. Uniform between the bounds; std::mt19937_64.
+/// Saltelli's plan: two independent samples A and B, and A with one column of B at a time; n_inputs + 2
+/// histories for every row. Uniform between the bounds; std::mt19937_64.
 std::vector<History> plan(const Case& c, std::size_t rows, unsigned long seed) {
   std::mt19937_64 random(seed);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -255,52 +264,20 @@ std::vector<History> plan(const Case& c, std::size_t rows, unsigned long seed) {
   return all;
 }
 
-/// First-order and total index of every input: Saltelli's estimator of 2010 and Jansen's, from the rows given.
-struct Indices {
-  Inputs<double> first{}, total{};
-  double mean = 0, variance = 0;
-
-  /// f(row, k): result of the row's history k: A, B, A with input k - 2 from B. row_of(j): the row to take as j-th.
-  /// about: roughly the mean; with it taken off, the first-order estimator scatters least.
-  template <class F, class RowOf>
-  Indices(std::size_t rows, const F& f, double about, const RowOf& row_of) {
-    const double n = static_cast<double>(rows);
-    double square = 0;
-    const double shift = about;
-    for (std::size_t j = 0; j < rows; ++j) {
-      const std::size_t row = row_of(j);
-      const double a = f(row, 0) - shift, b = f(row, 1) - shift;
-      mean += a + b;
-      square += a * a + b * b;
-      for (std::size_t i = 0; i < n_inputs; ++i) {
-        const double mixed = f(row, i + 2) - shift;
-        first[i] += b * (mixed - a);
-        total[i] += (a - mixed) * (a - mixed) / 2;
-      }
-    }
-    mean /= 2 * n;
-    variance = square / (2 * n) - mean * mean;
-    for (std::size_t i = 0; i < n_inputs; ++i) {
-      first[i] = variance > 0 ? first[i] / n / variance : 0;
-      total[i] = variance > 0 ? total[i] / n / variance : 0;
-    }
-    mean += shift;
-  }
-};
-
 struct Interval {
   double low, high;
 };
 
 template <class F>
-std::string indices_json(std::size_t rows, const F& f, unsigned threads, unsigned long seed, Indices& point,
-                         std::vector<std::array<Interval, 2>>& intervals) {
+std::string indices_json(std::size_t rows, const F& f, unsigned threads, unsigned long seed,
+                         const Indices<n_inputs>& point, std::vector<std::array<Interval, 2>>& intervals) {
   constexpr std::size_t resamples = 200;
-  std::vector<Indices> again(resamples, point);
+  std::vector<Indices<n_inputs>> again(resamples, point);
   in_threads(resamples, threads, "bootstrap", [&](std::size_t r) {
     std::mt19937_64 random(seed * 1000 + r);
-    again[r] = Indices(rows, f, point.mean, [&](std::size_t) {
-      return static_cast<std::size_t>(static_cast<double>(random() >> 11) * 0x1p-53 * static_cast<double>(rows));
+    again[r] = Indices<n_inputs>(rows, f, point.mean, [&](std::size_t) {
+      return static_cast<std::size_t>(static_cast<double>(random() >> 11) * 0x1p-53 *
+                                      static_cast<double>(rows));
     });
   });
   intervals.assign(n_inputs, {});
@@ -308,13 +285,15 @@ std::string indices_json(std::size_t rows, const F& f, unsigned threads, unsigne
   for (std::size_t i = 0; i < n_inputs; ++i) {
     for (std::size_t kind = 0; kind < 2; ++kind) {
       std::vector<double> values;
-      for (const Indices& a : again) values.push_back(kind == 0 ? a.first[i] : a.total[i]);
+      for (const auto& a : again) values.push_back(kind == 0 ? a.first[i] : a.total[i]);
       std::sort(values.begin(), values.end());
       intervals[i][kind] = {values[resamples / 40], values[resamples - 1 - resamples / 40]};
     }
     const auto pair = [&](Interval v) { return json(std::vector<double>{v.low, v.high}); };
-    items.push_back(study::json_object({{"name", json(std::string(names[i]))}, {"first", json(point.first[i])},
-                                        {"first_interval", pair(intervals[i][0])}, {"total", json(point.total[i])},
+    items.push_back(study::json_object({{"name", json(std::string(names[i]))},
+                                        {"first", json(point.first[i])},
+                                        {"first_interval", pair(intervals[i][0])},
+                                        {"total", json(point.total[i])},
                                         {"total_interval", pair(intervals[i][1])}}));
   }
   return study::json_array(items);
@@ -325,26 +304,36 @@ std::string indices_json(std::size_t rows, const F& f, unsigned threads, unsigne
 constexpr std::array<const char*, 3> output_names = {"peak lambda_e", "final lambda_e", "peak force"};
 
 int sensitivity(int argc, char** argv) {
-  const study::Options options(argc, argv, help, {"histories", "stretch", "days", "range", "threads", "seed", "out"});
-  if (!options.files.empty()) throw study::Error("'" + options.files[0] + "': no file is read (--help lists the options)");
-  Case c{options.number("stretch", 1.1, 1), options.number("days", 42, 0),
-         {0.25, 1, 1.05, 1.0, 0.25, 8, 2}, {0.75, 3, 1.15, 1.02, 1.75, 24, 6}};
+  const study::Options options(argc, argv, help,
+                               {"histories", "stretch", "days", "range", "threads", "seed", "out"});
+  if (!options.files.empty())
+    throw study::Error("'" + options.files[0] + "': no file is read (--help lists the options)");
+  Case c{options.number("stretch", 1.1, 1),
+         options.number("days", 42, 0),
+         {0.25, 1, 1.05, 1.0, 0.25, 8, 2},
+         {0.75, 3, 1.15, 1.02, 1.75, 24, 6}};
   for (const std::string& text : options.all("range")) {
     const std::size_t equals = text.find('='), colon = text.find(':');
     const auto name = std::find(names.begin(), names.end(), text.substr(0, equals));
     double low, high;
     if (name == names.end() || equals == std::string::npos || colon == std::string::npos || colon < equals ||
-        !study::to_number(text.substr(equals + 1, colon - equals - 1), low) || !study::to_number(text.substr(colon + 1), high))
-      throw study::Error("--range " + text + ": expected NAME=LOW:HIGH, NAME one of tau gamma G_max lambda_crit ramp c1 c2");
+        !study::to_number(text.substr(equals + 1, colon - equals - 1), low) ||
+        !study::to_number(text.substr(colon + 1), high))
+      throw study::Error("--range " + text +
+                         ": expected NAME=LOW:HIGH, NAME one of tau gamma G_max lambda_crit ramp c1 c2");
     const auto i = static_cast<std::size_t>(name - names.begin());
     const double least = i == 2 ? 1 : 0;
-    if (!(low > least) || !(high > low)) throw study::Error("--range " + text + format(": expected %g < LOW < HIGH", least));
+    if (!(low > least) || !(high > low))
+      throw study::Error("--range " + text + format(": expected %g < LOW < HIGH", least));
     c.low[i] = low;
     c.high[i] = high;
   }
-  if (!(c.high[4] < c.days)) throw study::Error("--days: expected more than the longest ramp, " + study::text_of(c.high[4]));
-  const std::size_t rows = static_cast<std::size_t>(options.count("histories", 1000000, 9 * 100)) / (n_inputs + 2);
-  const auto threads = static_cast<unsigned>(options.count("threads", std::max(1u, std::thread::hardware_concurrency()), 1));
+  if (!(c.high[4] < c.days))
+    throw study::Error("--days: expected more than the longest ramp, " + study::text_of(c.high[4]));
+  const std::size_t rows =
+      static_cast<std::size_t>(options.count("histories", 1000000, 9 * 100)) / (n_inputs + 2);
+  const auto threads =
+      static_cast<unsigned>(options.count("threads", std::max(1u, std::thread::hardware_concurrency()), 1));
   const auto seed = static_cast<unsigned long>(options.count("seed", 1, 0));
   const std::string out = options.text("out", "out/sensitivity");
   std::filesystem::create_directories(out);
@@ -359,7 +348,9 @@ int sensitivity(int argc, char** argv) {
   const auto local_rows = history(jets, c);
   const auto local = outputs(local_rows);
 
-  std::string text = format("Stretch %g, held to day %g. Relative derivatives at the middle: (p/y) dy/dp\n\n| |", c.stretch, c.days);
+  std::string text =
+      format("Stretch %g, held to day %g. Relative derivatives at the middle: (p/y) dy/dp\n\n| |", c.stretch,
+             c.days);
   for (const char* name : names) text += format(" %s |", name);
   text += "\n|---|---|---|---|---|---|---|---|\n| low |";
   for (double x : c.low) text += format(" %g |", x);
@@ -370,7 +361,8 @@ int sensitivity(int argc, char** argv) {
   text += "\n";
   for (std::size_t k = 0; k < 3; ++k) {
     text += format("| %s %.4f |", output_names[k], local[k].a);
-    for (std::size_t i = 0; i < n_inputs; ++i) text += format(" %+.4f |", middle[i] * local[k].v[static_cast<int>(i)] / local[k].a);
+    for (std::size_t i = 0; i < n_inputs; ++i)
+      text += format(" %+.4f |", middle[i] * local[k].v[static_cast<int>(i)] / local[k].a);
     text += "\n";
   }
 
@@ -403,49 +395,69 @@ int sensitivity(int argc, char** argv) {
     const auto y = outputs(history(x, c));
     for (std::size_t j = 0; j < 3; ++j) off[j] = std::max(off[j], std::abs(y[j] - h.y[j]));
   }
-  const std::string speed =
-      format("%zu histories of 80 steps in %.2f s on %u threads, %.0f a second (%.2f s of CPU, %.0f a second each)", all.size(),
-             seconds, threads, static_cast<double>(all.size()) / seconds, cpu, static_cast<double>(all.size()) / cpu);
-  text += format("\nSobol's indices: %zu rows, %s.\nTheir lambda_e is off by %.1e at the peak and %.1e at the end, the force by %.1e at most "
-                 "(50 of them, in shorter steps).\n",
-                 rows, speed.c_str(), off[0], off[1], off[2]);
+  const std::string speed = format(
+      "%zu histories of 80 steps in %.2f s on %u threads, %.0f a second (%.2f s of CPU, %.0f a second each)",
+      all.size(), seconds, threads, static_cast<double>(all.size()) / seconds, cpu,
+      static_cast<double>(all.size()) / cpu);
+  text += format(
+      "\nSobol's indices: %zu rows, %s.\nTheir lambda_e is off by %.1e at the peak and %.1e at the end, the "
+      "force by %.1e at most "
+      "(50 of them, in shorter steps).\n",
+      rows, speed.c_str(), off[0], off[1], off[2]);
   std::vector<std::string> global;
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto f = [&](std::size_t row, std::size_t history) { return all[row * (n_inputs + 2) + history].y[k]; };
+    const auto f = [&](std::size_t row, std::size_t history) {
+      return all[row * (n_inputs + 2) + history].y[k];
+    };
     double sum = 0;
     for (const History& h : all) sum += h.y[k];
-    Indices point(rows, f, sum / static_cast<double>(all.size()), [](std::size_t j) { return j; });
+    const Indices<n_inputs> point(rows, f, sum / static_cast<double>(all.size()),
+                                  [](std::size_t j) { return j; });
     std::vector<std::array<Interval, 2>> intervals;
     const std::string items = indices_json(rows, f, threads, seed, point, intervals);
-    text += format("\n| %s: mean %.4f, sd %.4f | first order | 95 %% | total | 95 %% |\n|---|---|---|---|---|\n", output_names[k],
-                   point.mean, std::sqrt(point.variance));
+    text +=
+        format("\n| %s: mean %.4f, sd %.4f | first order | 95 %% | total | 95 %% |\n|---|---|---|---|---|\n",
+               output_names[k], point.mean, std::sqrt(point.variance));
     for (std::size_t i = 0; i < n_inputs; ++i)
-      text += format("| %s | %.4f | %.4f to %.4f | %.4f | %.4f to %.4f |\n", names[i], point.first[i], intervals[i][0].low,
-                     intervals[i][0].high, point.total[i], intervals[i][1].low, intervals[i][1].high);
-    global.push_back(study::json_object({{"output", json(std::string(output_names[k]))}, {"mean", json(point.mean)},
-                                         {"sd", json(std::sqrt(point.variance))}, {"indices", items}}));
+      text += format("| %s | %.4f | %.4f to %.4f | %.4f | %.4f to %.4f |\n", names[i], point.first[i],
+                     intervals[i][0].low, intervals[i][0].high, point.total[i], intervals[i][1].low,
+                     intervals[i][1].high);
+    global.push_back(study::json_object({{"output", json(std::string(output_names[k]))},
+                                         {"mean", json(point.mean)},
+                                         {"sd", json(std::sqrt(point.variance))},
+                                         {"indices", items}}));
   }
   std::printf("%s", text.c_str());
 
   std::vector<std::string> relative, forces;
   for (std::size_t i = 0; i < n_inputs; ++i) {
-    relative.push_back(study::json_array(local_rows, [&](const Row<Jet>& r) { return middle[i] * r.lambda_e.v[static_cast<int>(i)] / r.lambda_e.a; }));
-    forces.push_back(study::json_array(local_rows, [&](const Row<Jet>& r) { return middle[i] * r.force.v[static_cast<int>(i)] / r.force.a; }));
+    relative.push_back(study::json_array(local_rows, [&](const Row<Jet>& r) {
+      return middle[i] * r.lambda_e.v[static_cast<int>(i)] / r.lambda_e.a;
+    }));
+    forces.push_back(study::json_array(local_rows, [&](const Row<Jet>& r) {
+      return middle[i] * r.force.v[static_cast<int>(i)] / r.force.a;
+    }));
   }
-  study::write_file(std::filesystem::path(out) / "report.md", text + "\n![local](local.png)\n![global](global.png)\n");
+  study::write_file(std::filesystem::path(out) / "report.md",
+                    text + "\n![local](local.png)\n![global](global.png)\n");
   study::write_file(
       std::filesystem::path(out) / "report.json",
       study::json_object(
-          {{"stretch", json(c.stretch)}, {"days", json(c.days)},
+          {{"stretch", json(c.stretch)},
+           {"days", json(c.days)},
            {"names", study::json_array(names, [](const char* name) { return std::string(name); })},
            {"low", json(std::vector<double>(c.low.begin(), c.low.end()))},
            {"high", json(std::vector<double>(c.high.begin(), c.high.end()))},
            {"middle", study::json_array(local, [](const Jet& y) { return y.a; })},
            {"time", study::json_array(local_rows, [](const Row<Jet>& r) { return r.time; })},
            {"lambda_e", study::json_array(local_rows, [](const Row<Jet>& r) { return r.lambda_e.a; })},
-           {"relative_lambda_e", study::json_array(relative)}, {"relative_force", study::json_array(forces)},
-           {"tornado", study::json_array(tornado)}, {"global", study::json_array(global)},
-           {"histories", std::to_string(all.size())}, {"seconds", json(seconds)}, {"cpu_seconds", json(cpu)},
+           {"relative_lambda_e", study::json_array(relative)},
+           {"relative_force", study::json_array(forces)},
+           {"tornado", study::json_array(tornado)},
+           {"global", study::json_array(global)},
+           {"histories", std::to_string(all.size())},
+           {"seconds", json(seconds)},
+           {"cpu_seconds", json(cpu)},
            {"off", json(std::vector<double>(off.begin(), off.end()))}}));
   std::printf("\nresults in %s\n", out.c_str());
   return 0;
