@@ -80,6 +80,7 @@ def draw_fit(out):
         ax.axvline(p["estimate"], color="0.5", lw=0.8, ls=":")
         if max(p["profile_x"]) > 8 * min(p["profile_x"]):
             ax.set_xscale("log")
+            ax.xaxis.set_major_formatter("{x:g}")
         else:
             ax.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5))
         ax.set(xlabel=SYMBOLS[p["name"]], ylim=(-0.3, 12))
@@ -180,7 +181,8 @@ def draw_sensitivity(out):
     axes[2].xaxis.set_major_formatter("{x:g}")
     axes[2].xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
     axes[2].set_title(r"$(p/\lambda_e)\,\partial\lambda_e/\partial p$ over time", loc="left")
-    axes[2].legend(ncol=2)
+    axes[2].set_ylim(top=0.3 + axes[2].get_ylim()[1])
+    axes[2].legend(ncol=2, loc="upper left")
     fig.tight_layout()
     save(fig, out / "local.png")
 

@@ -223,48 +223,66 @@ struct Profile {
   double lower, upper;               // where it is chi2_95; infinite: nowhere within the bounds
 };
 
-/// Outward from the estimate, each fit starting from its neighbour's.
+/// One side of a profile, from the estimate to `end`: every fit starts from its neighbour's, on the way out
+/// and on the way back, since there may be two valleys.
+std::vector<Fit> profile_side(const Question& question, const Fit& best, const Free& others, std::size_t p,
+                              double end) {
+  constexpr int n = 20;
+  const double x0 = best.values[p];
+  const bool by_factors = end > 0 && (end > 4 * x0 || x0 > 4 * end);
+  std::vector<Fit> side;
+  Fit last = best;
+  for (int i = 1; i <= n && last.chi2 - best.chi2 < 5 * chi2_95; ++i) {
+    const double part = static_cast<double>(i) / n;
+    last.values[p] = by_factors ? x0 * std::pow(end / x0, part) : x0 + (end - x0) * part;
+    last = minimise(question, last.values, others);
+    side.push_back(last);
+  }
+  for (std::size_t i = side.size(); i > 1; --i) {
+    Values from_outside = side[i - 1].values;
+    from_outside[p] = side[i - 2].values[p];
+    const Fit again = minimise(question, from_outside, others);
+    if (again.chi2 < side[i - 2].chi2) side[i - 2] = again;
+  }
+  return side;
+}
+
+/// Where a side rises through chi2_95 for the last time; infinite: it ends below.
+double end_of_interval(const Fit& best, const std::vector<Fit>& side, std::size_t p) {
+  const auto root = [&](const Fit& f) { return std::sqrt(std::max(f.chi2 - best.chi2, 0.0)); };
+  const double wanted = std::sqrt(chi2_95);
+  if (side.empty() || root(side.back()) < wanted) return std::numeric_limits<double>::infinity();
+  std::size_t i = side.size() - 1;
+  while (i > 0 && root(side[i - 1]) >= wanted) --i;
+  const Fit &in = i > 0 ? side[i - 1] : best, &out = side[i];
+  return in.values[p] + (out.values[p] - in.values[p]) * (wanted - root(in)) / (root(out) - root(in));
+}
+
+/// sd: by curvature, for where to look first.
 Profile profile(const Question& question, const Fit& best, const Free& free, const study::Bounds& bounds,
                 double sd) {
   const auto p = static_cast<std::size_t>(study::growth_index(bounds.name));
-  const double x0 = best.values[p], inf = std::numeric_limits<double>::infinity();
+  const double x0 = best.values[p], reach = 5 * sd;
   Free others = free;
   others[p] = false;
-  Profile result;
-  const auto outward = [&](double end, double& crossing) {
-    constexpr int n = 20;
-    std::vector<std::pair<double, double>> side;
-    const bool by_factors = end > 0 && (end > 4 * x0 || x0 > 4 * end);
-    Values values = best.values;
-    double last_x = x0, last = 0;
-    crossing = inf;
-    for (int i = 1; i <= n; ++i) {
-      const double part = static_cast<double>(i) / n;
-      values[p] = by_factors ? x0 * std::pow(end / x0, part) : x0 + (end - x0) * part;
-      const Fit fit = minimise(question, values, others);
-      const double root = std::sqrt(std::max(fit.chi2 - best.chi2, 0.0)), wanted = std::sqrt(chi2_95);
-      if (crossing == inf && root >= wanted)
-        crossing = last_x + (values[p] - last_x) * (wanted - last) / (root - last);
-      side.push_back({values[p], root * root});
-      values = fit.values;
-      last_x = values[p];
-      last = root;
-      if (root > 2.2 * wanted) break;
+  const auto look = [&](double bound, double& end) {
+    const bool near = std::abs(bound - x0) > reach;
+    auto side = profile_side(question, best, others, p, near ? x0 + std::copysign(reach, bound - x0) : bound);
+    end = end_of_interval(best, side, p);
+    if (near && !std::isfinite(end)) {
+      side = profile_side(question, best, others, p, bound);
+      end = end_of_interval(best, side, p);
     }
     return side;
   };
-  const double reach = std::isfinite(sd) ? 5 * sd : inf;
-  auto low = outward(std::max(bounds.lower, x0 - reach), result.lower);
-  auto high = outward(std::min(bounds.upper, x0 + reach), result.upper);
-  if (result.lower == inf && x0 - reach > bounds.lower) low = outward(bounds.lower, result.lower);
-  if (result.upper == inf && x0 + reach < bounds.upper) high = outward(bounds.upper, result.upper);
-  result.lower = result.lower == inf ? -inf : result.lower;
-  std::reverse(low.begin(), low.end());
-  low.push_back({x0, 0});
-  low.insert(low.end(), high.begin(), high.end());
-  for (const auto& point : low) {
-    result.x.push_back(point.first);
-    result.chi2_more.push_back(point.second);
+  Profile result;
+  std::vector<Fit> all = look(bounds.lower, result.lower), high = look(bounds.upper, result.upper);
+  std::reverse(all.begin(), all.end());
+  all.push_back(best);
+  all.insert(all.end(), high.begin(), high.end());
+  for (const Fit& f : all) {
+    result.x.push_back(f.values[p]);
+    result.chi2_more.push_back(f.chi2 - best.chi2);
   }
   return result;
 }
