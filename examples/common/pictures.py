@@ -1,4 +1,4 @@
-"""Runs a study's program and draws what it found; no display is needed.
+"""Runs a study's program and draws what it found; no display is needed. Layout and `save` are all examples'.
 
     pictures.py fit | protocol | sensitivity PROGRAM [ARGUMENTS OF PROGRAM]
     pictures.py validate PROGRAM FILE.csv ...       every file by the fit program, into out/validation
@@ -14,13 +14,14 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import matplotlib.ticker  # noqa: E402
+import numpy as np  # noqa: E402
 from PIL import Image  # noqa: E402
 
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"  # Okabe and Ito's, for all eyes
 CYCLE = [BLUE, ORANGE, GREEN, PURPLE, "#56B4E9", "#E69F00", "0.35"]
 LAYOUT = {"font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.spines.top": False,
-          "axes.spines.right": False, "savefig.dpi": 130, "axes.grid": True, "grid.alpha": 0.25, "legend.frameon": False,
-          "legend.fontsize": 8}
+          "axes.spines.right": False, "savefig.dpi": 130}
+GRID = {**LAYOUT, "axes.grid": True, "grid.alpha": 0.25, "legend.frameon": False, "legend.fontsize": 8}
 CHI2_95 = 3.841
 SYMBOLS = {"tau": r"$\tau$ [d]", "gamma": r"$\gamma$ [-]", "G_max": r"$G_{max}$ [-]", "lambda_crit": r"$\lambda_{crit}$ [-]",
            "ramp": "ramp [d]", "c1": r"$c_1$ [kPa]", "c2": r"$c_2$ [kPa]", "lambda_e": r"$\lambda_e$ [-]", "G": r"$G$ [-]"}
@@ -30,13 +31,18 @@ def plain(name):
     return SYMBOLS[name].split(" [")[0]
 
 
-def save(fig, path):
-    """As a PNG of 256 colours, to keep the files small."""
+def save(fig, path, colours=None):
+    """As a PNG of 256 colours, to keep the files small; with a colour map: 224 of it, and greys."""
     buffer = io.BytesIO()
     fig.savefig(buffer, format="png")
     plt.close(fig)
     picture = Image.open(buffer).convert("RGB")
-    picture.quantize(256, kmeans=1, dither=Image.Dither.NONE).save(path, optimize=True)
+    palette = None
+    if colours is not None:
+        mapped, greys = colours(np.linspace(0, 1, 224))[:, :3], np.repeat(np.linspace(0, 1, 32)[:, None], 3, axis=1)
+        palette = Image.new("P", (1, 1))
+        palette.putpalette(np.round(255 * np.concatenate([mapped, greys])).astype(np.uint8).tobytes())
+    picture.quantize(256, kmeans=1, palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 # ---- Fit
@@ -217,7 +223,7 @@ def run(kind, command):
             folder = pathlib.Path(line[len("results in "):].strip())
     status = program.wait()
     if status == 0 and folder:
-        with plt.rc_context(LAYOUT):
+        with plt.rc_context(GRID):
             DRAW[kind](folder)
     return status
 
@@ -232,7 +238,7 @@ def main():
         status = run("fit", [program, f, "--out", folder])
         if status:
             return status
-    with plt.rc_context(LAYOUT):
+    with plt.rc_context(GRID):
         draw_validation(out, folders)
     print(f"\nresults in {out}")
     return 0
