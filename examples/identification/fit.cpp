@@ -144,11 +144,13 @@ Fit minimise(const Question& question, const Values& start, const Free& free) {
 }
 
 /// Fits from several starts within the bounds, the first given. All fits, the best first.
+/// said: whether to tell how far it is.
 std::vector<Fit> fits_from_starts(const Question& question, const Values& first, const Free& free,
-                                  long starts, std::mt19937_64& random) {
+                                  long starts, std::mt19937_64& random, bool said) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Fit> fits{minimise(question, first, free)};
   for (long s = 1; s < starts && !question.data.fitted.empty(); ++s) {
+    if (said) std::fprintf(stderr, "\r  start %ld of %ld", s + 1, starts);
     Values start = first;
     for (const study::Bounds& b : question.data.fitted) {
       const bool wide = b.lower > 0 && b.upper > 10 * b.lower;
@@ -326,7 +328,7 @@ int coverage(const study::Study& data, const Values& truth, const Free& free, co
     Values middle = truth;
     for (const study::Bounds& b : data.fitted)
       middle[static_cast<std::size_t>(study::growth_index(b.name))] = (b.lower + b.upper) / 2;
-    const Fit best = fits_from_starts(q, middle, free, starts, random)[0];
+    const Fit best = fits_from_starts(q, middle, free, starts, random, false)[0];
     const Covariance c(jacobian(q, best.values, free), data.fitted);
     for (std::size_t k = 0; k < data.fitted.size(); ++k) {
       const auto p = static_cast<std::size_t>(study::growth_index(data.fitted[k].name));
@@ -387,7 +389,7 @@ int fit(int argc, char** argv) {
 
   const Question q = question_of(data, options.number("robust", 0, 0));
   std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0)));
-  const std::vector<Fit> fits = fits_from_starts(q, given, free, options.count("starts", 8, 1), random);
+  const std::vector<Fit> fits = fits_from_starts(q, given, free, options.count("starts", 8, 1), random, true);
   const Fit& best = fits[0];
   const auto same = [&](const Fit& f) { return f.chi2 <= best.chi2 + 1e-6 * (1 + best.chi2); };
   const auto agreeing = std::count_if(fits.begin(), fits.end(), same);
@@ -409,6 +411,7 @@ int fit(int argc, char** argv) {
     const auto d = static_cast<Eigen::Index>(i);
     const double x = best.values[static_cast<std::size_t>(study::growth_index(b.name))],
                  sd = std::sqrt(c.covariance(d, d));
+    std::fprintf(stderr, "\r  profile of %-12s", b.name.c_str());
     const Profile along = profile(q, best, free, b, sd);
     // A curvature of next to nothing is no interval.
     const auto end = [&](double y) {
@@ -436,6 +439,7 @@ int fit(int argc, char** argv) {
                                              {"profile_x", json(along.x)},
                                              {"profile", json(along.chi2_more)}}));
   }
+  if (k > 0) std::fprintf(stderr, "\n");
   if (!c.exists) {
     std::string names;
     for (const std::string& name : c.undetermined) names += (names.empty() ? "" : ", ") + name;

@@ -260,7 +260,8 @@ int design(const study::Options& options) {
               : std::string("| in steps once a day, up to the limit each | not within 3650 | |\n");
   text +=
       std::isfinite(ramp_days)
-          ? format("| at a constant rate, the shortest that is admissible | %.4f | %g |\n", ramp_days, limit)
+          ? format("| at a constant rate, the shortest that is admissible | %.4f | %g |\n", ramp_days,
+                   std::min(limit, target))
           : std::string(
                 "| at a constant rate, the shortest that is admissible | more than 100 times the fastest | "
                 "|\n");

@@ -125,18 +125,12 @@ std::array<T, 3> outputs(const std::vector<Row<T>>& rows) {
 /// What the batch reads as F: the stretch along the fibre of every point, and nothing across. A view is
 /// whatever says where component c of the points from i on lies.
 struct AlongFibre {
-  const double* stretch;
+  const double *stretch, *zeros, *ones;  // the last two as long as a pack
   struct Place {
-    const double* stretch;
-    const double* operator()(int c) const {
-      static constexpr double zeros[64] = {},
-                              ones[64] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
-                                          1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
-                                          1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
-      return c == 0 ? stretch : c % 4 == 0 ? ones : zeros;
-    }
+    const double *stretch, *zeros, *ones;
+    const double* operator()(int c) const { return c == 0 ? stretch : c % 4 == 0 ? ones : zeros; }
   };
-  Place from(std::ptrdiff_t i) const { return {stretch + i}; }
+  Place from(std::ptrdiff_t i) const { return {stretch + i, zeros, ones}; }
 };
 
 struct History {
@@ -153,7 +147,10 @@ void run_together(const Case& c, History* const* some, std::size_t n) {
   double G[most], stretch[most], dt[most], rate[most], per_scale[most], peak[most], peak_stretch[most];
   myogrowth::FibreGrowth<> material;
   material.growth = {1, c.gamma(some[0]->level), 2, 1};
-  const double fibre[3] = {1, 0, 0};
+  const double fibre[3] = {1, 0, 0}, zeros[16] = {};
+  double ones[16];
+  std::fill_n(ones, 16, 1.0);
+  std::ptrdiff_t failed = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Inputs<double>& x = some[i]->x;
     const double s = x[2] / 2;
@@ -163,12 +160,11 @@ void run_together(const Case& c, History* const* some, std::size_t n) {
     peak[i] = 0;
   }
   const auto points = static_cast<std::ptrdiff_t>(n);
-  const myogrowth::batch::Input in{AlongFibre{stretch}, myogrowth::batch::shared(fibre),
+  const myogrowth::batch::Input in{AlongFibre{stretch, zeros, ones}, myogrowth::batch::shared(fibre),
                                    myogrowth::batch::soa(G, points), myogrowth::batch::soa(dt, points)};
   const myogrowth::batch::Output out{myogrowth::batch::None{}, myogrowth::batch::soa(G, points)};
   const auto step = [&](double lambda) {
-    if (myogrowth::update_batch<myogrowth::Tangent::none>(material, points, in, out) > 0)
-      throw study::Error("a history has no result");
+    failed += myogrowth::update_batch<myogrowth::Tangent::none>(material, points, in, out);
     for (std::size_t i = 0; i < n; ++i) {
       const double lambda_e = some[i]->x[3] * stretch[i] / G[i];
       if (lambda_e > peak[i]) {
@@ -200,6 +196,7 @@ void run_together(const Case& c, History* const* some, std::size_t n) {
     elastic.c1 = x[5];
     elastic.c2 = x[6];
     uniaxial_stress(elastic, peak[i], 1.0, 1.0, 0.0, lateral, u, slope);
+    if (failed > 0) peak[i] = std::numeric_limits<double>::quiet_NaN();
     some[i]->y = {peak[i], x[3] * stretch[i] / G[i], u.tau[0] / peak_stretch[i]};
   }
 }
@@ -232,6 +229,9 @@ void run_all(const Case& c, std::vector<History>& all, unsigned threads) {
   }
   in_threads(parts.size(), threads, "histories",
              [&](std::size_t p) { run_together(c, parts[p].first, parts[p].second); });
+  for (const History& h : all) {
+    if (!myogrowth::are_finite(h.y.data(), 3)) throw study::Error("a history has no result");
+  }
 }
 
 // ---- Sobol's indices
