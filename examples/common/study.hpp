@@ -27,7 +27,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <myogrowth/stress_states.hpp>
 #include <sstream>
 #include <stdexcept>

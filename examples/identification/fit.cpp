@@ -8,7 +8,6 @@
 
 #include <Eigen/SVD>
 #include <array>
-#include <memory>
 #include <random>
 
 #include "../common/jet.hpp"

@@ -149,7 +149,8 @@ class Fit(Job):
         out = self.folder / "out"
         command = [sys.executable, EXAMPLES / "common" / "pictures.py", "fit", PROGRAMS / self.program,
                    EXAMPLES / "identification" / "example.csv", "--starts", "1", "--out", out]
-        self.assertEqual(subprocess.run(command, capture_output=True).returncode, 0)
+        done = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("fit.png", "profiles.png", "report.md"):
             self.assertGreater((out / name).stat().st_size, 1000)
 
