@@ -147,8 +147,8 @@ def draw_design(out, r):
     fig, axes = plt.subplots(1, 2, figsize=(9.6, 3.8))
     last = 1.35 * max(x for x in (r["days"], r["step_days"] or 0, 1))
     for ax, name, label in zip(axes, ("stretch", "lambda_e"), (r"stretch $\lambda$ [-]", r"elastic stretch $\lambda_e$ [-]")):
-        for run, colour, text in (("run", BLUE, f"fastest: {r['days']:.2f} days"),
-                                  ("steps", ORANGE, f"in daily steps: {r['step_days']:g} days" if r["step_days"] else "in daily steps")):
+        steps = "in daily steps" + (f": {r['step_days']:g} days" if r["step_days"] else "")
+        for run, colour, text in (("run", BLUE, f"fastest: {r['days']:.2f} days"), ("steps", ORANGE, steps)):
             ax.plot(r[run]["time"], r[run][name], color=colour, lw=1.3, label=text)
         ax.set(xlabel="time [days]", ylabel=label, xlim=(-0.02 * last, last))
     axes[0].axhline(r["target"], color="0.3", lw=0.9, ls=":")

@@ -396,7 +396,7 @@ int fit(int argc, char** argv) {
   const auto n = static_cast<long>(q.measured.size()), k = static_cast<long>(data.fitted.size());
 
   std::string text = "# " + data.title + "\n\n";
-  std::vector<std::string> warnings, parameters, points, correlation;
+  std::vector<std::string> warnings, parameters, points, correlation, covariance;
   text += format("%ld measurements, %ld parameters fitted; chi2 = %.3f", n, k, best.chi2);
   if (k > 0) text += format("; %ld of %zu starts end there", static_cast<long>(agreeing), fits.size());
   text += ".\n\n";
@@ -447,15 +447,17 @@ int fit(int argc, char** argv) {
                            : "The data cannot tell " + names + " apart: a combination of them is free.");
   }
   for (Eigen::Index i = 0; i < c.correlation.rows(); ++i) {
-    std::vector<double> row;
+    std::vector<double> row, covariance_row;
     for (Eigen::Index j = 0; j < c.correlation.cols(); ++j) {
       row.push_back(c.correlation(i, j));
+      covariance_row.push_back(c.covariance(i, j));
       if (j < i && std::abs(row.back()) > 0.95)
         warnings.push_back(format("The data can hardly tell %s and %s apart: correlation %.3f.",
                                   data.fitted[static_cast<std::size_t>(j)].name.c_str(),
                                   data.fitted[static_cast<std::size_t>(i)].name.c_str(), row.back()));
     }
     correlation.push_back(json(row));
+    covariance.push_back(json(covariance_row));
   }
   if (n < k) warnings.push_back(format("%ld measurements cannot decide %ld parameters.", n, k));
   if (n > k && best.chi2 > static_cast<double>(n - k) + 3 * std::sqrt(2.0 * static_cast<double>(n - k)))
@@ -464,19 +466,23 @@ int fit(int argc, char** argv) {
         "and the intervals are too narrow.",
         best.chi2, n - k));
 
-  if (k > 1 && c.exists) {
-    text += "\nCorrelation:\n\n| |";
-    for (const auto& b : data.fitted) text += " " + b.name + " |";
-    text += "\n|---|" + [&] {
-      std::string dashes;
-      for (long j = 0; j < k; ++j) dashes += "---|";
-      return dashes;
-    }() + "\n";
-    for (Eigen::Index i = 0; i < k; ++i) {
-      text += "| " + data.fitted[static_cast<std::size_t>(i)].name + " |";
-      for (Eigen::Index j = 0; j < k; ++j) text += format(" %.3f |", c.correlation(i, j));
+  const auto matrix = [&](const char* title, const char* number, const Eigen::MatrixXd& m) {
+    text += format("\n| %s |", title);
+    std::string rule = "|---|";
+    for (const auto& b : data.fitted) {
+      text += " " + b.name + " |";
+      rule += "---|";
+    }
+    text += "\n" + rule + "\n";
+    for (Eigen::Index row = 0; row < k; ++row) {
+      text += "| " + data.fitted[static_cast<std::size_t>(row)].name + " |";
+      for (Eigen::Index column = 0; column < k; ++column) text += " " + format(number, m(row, column)) + " |";
       text += "\n";
     }
+  };
+  if (k > 1 && c.exists) {
+    matrix("correlation", "%.3f", c.correlation);
+    matrix("covariance", "%.4g", c.covariance);
   }
   text += "\n| day | quantity | measured | sd | computed | off by |\n|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i < q.measured.size(); ++i) {
@@ -513,6 +519,7 @@ int fit(int argc, char** argv) {
            {"starts_agreeing", std::to_string(agreeing)},
            {"starts", std::to_string(fits.size())},
            {"correlation", study::json_array(correlation)},
+           {"covariance", study::json_array(covariance)},
            {"warnings", study::json_array(warnings, [](const std::string& w) { return w; })},
            {"time", study::json_array(curve, [](const study::Point& p) { return p.time; })},
            {"lambda_e", study::json_array(curve, [](const study::Point& p) { return p.lambda_e; })},

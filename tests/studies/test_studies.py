@@ -83,8 +83,9 @@ class Fit(Job):
         bounds = "fit, tau, 0.05, 10\nfit, gamma, 0.2, 5\nfit, G_max, 1.08, 1.5\nfit, lambda_crit, 0.95, 1.04\n"
         r = self.report(self.file(head + bounds + rows), "--starts", 4)
         self.assertLess(r["chi2"], 1e-6)
-        for p in r["parameters"]:
+        for i, p in enumerate(r["parameters"]):
             self.assertAlmostEqual(p["estimate"] / truth[p["name"]], 1, delta=1e-3)
+            self.assertAlmostEqual(r["covariance"][i][i] / p["sd"]**2, 1, delta=1e-6)
             self.assertLess(p["lower"], truth[p["name"]])
             self.assertGreater(p["upper"] or math.inf, truth[p["name"]])
 
@@ -266,7 +267,8 @@ class Sensitivity(Job):
         ranges = [a for k, x in centre.items() for a in ("--range", f"{k}={x - half[k]!r}:{x + half[k]!r}")]
         r = self.report(*ranges, "--histories", 45000, "--threads", 2)
         peak_row = r["lambda_e"].index(max(r["lambda_e"]))
-        for output, row, local in ((0, peak_row, "relative_lambda_e"), (1, -1, "relative_lambda_e"), (2, peak_row, "relative_force")):
+        places = (0, peak_row, "relative_lambda_e"), (1, -1, "relative_lambda_e"), (2, peak_row, "relative_force")
+        for output, row, local in places:
             y = r["middle"][output]
             slopes = [r[local][i][row] * y / centre[name] for i, name in enumerate(r["names"])]
             variances = [(s * half[name])**2 / 3 for s, name in zip(slopes, r["names"])]
