@@ -293,8 +293,8 @@ using Names = const char* [n];
 template <int n>
 using Types = int[n];
 
-constexpr Name symbol(int i) { return abi::Tables<>::property[i].symbol; }
-constexpr Name variable(int i) { return abi::Tables<>::state_variable[i].symbol; }
+constexpr Name symbol(int i) noexcept { return abi::Tables<>::property[i].symbol; }
+constexpr Name variable(int i) noexcept { return abi::Tables<>::state_variable[i].symbol; }
 
 }  // namespace
 

@@ -96,10 +96,10 @@ template <class Unused>
 constexpr StateVariable Tables<Unused>::state_variable[n_statev];
 
 /// Entry i < n_props of PROPS.
-inline const Property& property(int i) { return Tables<>::property[i]; }
+inline const Property& property(int i) noexcept { return Tables<>::property[i]; }
 
 /// Entry i < n_statev of STATEV.
-inline const StateVariable& state_variable(int i) { return Tables<>::state_variable[i]; }
+inline const StateVariable& state_variable(int i) noexcept { return Tables<>::state_variable[i]; }
 
 /// What is allowed, in words.
 inline const char* text(Allowed allowed) {

@@ -2,7 +2,6 @@
 
     figures.py OUT      fig1_mesh.png, fig2_elastic_stretch.png, fig3_sections.png, fig4_sarcomere_number.png in OUT
 """
-import io
 import json
 import pathlib
 import sys
@@ -14,33 +13,18 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.gridspec import GridSpec  # noqa: E402
-from PIL import Image  # noqa: E402
 
 import cylinder_mesh  # noqa: E402
 import deck  # noqa: E402
 import elements  # noqa: E402
 import history  # noqa: E402
 
-BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"  # Okabe and Ito's, for all eyes
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "common"))
+from pictures import BLUE, GREEN, LAYOUT, ORANGE, PURPLE, save  # noqa: E402
+
 COLOURS = matplotlib.colormaps["viridis"]
 CLOSE_UP = 25.0  # mm, of each end
 COMPRESSED = 5.0  # how many times shorter the axis is in the whole view than the radius
-LAYOUT = {"font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.spines.top": False,
-          "axes.spines.right": False, "savefig.dpi": 130}
-
-
-def save(fig, path, colours=None):
-    """As a PNG of 256 colours, to keep the files small; with a colour map: 224 of it, and greys."""
-    buffer = io.BytesIO()
-    fig.savefig(buffer, format="png")
-    plt.close(fig)
-    picture = Image.open(buffer).convert("RGB")
-    palette = None
-    if colours is not None:
-        mapped, greys = colours(np.linspace(0, 1, 224))[:, :3], np.repeat(np.linspace(0, 1, 32)[:, None], 3, axis=1)
-        palette = Image.new("P", (1, 1))
-        palette.putpalette(np.round(255 * np.concatenate([mapped, greys])).astype(np.uint8).tobytes())
-    picture.quantize(256, kmeans=1, palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def describe(case):

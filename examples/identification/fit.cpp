@@ -1,0 +1,536 @@
+// Finds parameters of the growth law from measured sarcomere lengths or numbers: least squares by Ceres
+// Solver.
+//
+// What of the library it shows: eq. 4's time step with a dual number as its scalar. A Jet for every parameter
+// goes in, and the derivatives of the whole history with respect to tau, gamma, G_max and lambda_crit come
+// out (study.hpp, grow); nothing is differentiated by hand or by differences.
+#include <ceres/ceres.h>
+
+#include <Eigen/SVD>
+#include <array>
+#include <random>
+
+#include "../common/jet.hpp"
+#include "../common/study.hpp"
+
+namespace {
+
+using study::format;
+using study::json;
+using study::n_growth;
+
+const char* const help = R"(usage: ./run fit FILE.csv [OPTIONS]
+
+Fits parameters of the growth law to measurements under a given history of stretch. FILE holds both, and which
+parameters to fit between which bounds (rows: examples/common/study.hpp; examples/identification has some).
+Without a `fit` row nothing is fitted: the prediction is compared with the measurements.
+
+  --set NAME=VALUE   a parameter (start of its fit): c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_rev
+  --robust SD        beyond SD standard deviations a residual counts linearly (Huber); default: squares alone
+  --starts N         fits from N starts, the first from the values set, the others at random; default 8
+  --coverage RUNS    the other way round: takes the values set as true, makes up measurements at the days and with
+                     the deviations of FILE, RUNS times, and says how often the 95 % intervals hold the truth
+  --seed N           of all random numbers; default 1
+  --out DIR          folder of report.json, report.md and the pictures; default out/fit/NAME OF FILE
+)";
+
+constexpr double chi2_95 = 3.841458820694124;  // of one degree of freedom
+constexpr double z_95 = 1.959963984540054;
+
+/// tau, gamma, G_max, lambda_crit
+using Values = std::array<double, n_growth>;
+
+/// The history for the parameters that were asked for last: all measurements ask for the same, in turn.
+template <class T>
+struct Curve {
+  Values at{};
+  std::vector<T> G;
+};
+
+/// What is asked of the data, beside the parameters.
+struct Question {
+  const study::Study& data;
+  std::vector<study::Knot> points;  // the history, cut into steps that end at the measurements too
+  std::vector<std::size_t> at;      // of the measurements, in points
+  std::vector<double> measured;     // one of data.measurements or made up
+  double robust;                    // [sd]; 0: squares
+  mutable Curve<double> numbers{};
+  mutable Curve<ceres::Jet<double, n_growth>> jets{};
+
+  Curve<double>& curve(double) const { return numbers; }
+  Curve<ceres::Jet<double, n_growth>>& curve(const ceres::Jet<double, n_growth>&) const { return jets; }
+
+  /// G at measurement i; in T's derivatives too, which Ceres always asks for with respect to all four.
+  template <class T>
+  T G(const myogrowth::GrowthRate<T>& growth, std::size_t i) const {
+    using myogrowth::value;
+    const Values asked{value(growth.growth_time), value(growth.gamma), value(growth.G_max),
+                       value(growth.lambda_crit)};
+    Curve<T>& known = curve(growth.growth_time);
+    if (known.at != asked) {
+      const auto& given = data.muscle.removal;
+      const myogrowth::RemovalRate<T> removal{T(given.removal_time), T(given.gamma), T(given.G_min),
+                                              T(given.lambda_crit)};
+      known.G = study::grow(growth, removal, points);
+      known.at = asked;
+    }
+    return known.G[at[i]];
+  }
+};
+
+/// One measurement: (computed - measured)/sd, for plain numbers and Jets.
+struct Residual {
+  const Question& question;
+  std::size_t i;
+
+  template <class T>
+  bool operator()(const T* tau, const T* gamma, const T* G_max, const T* lambda_crit, T* residual) const {
+    const study::Measurement& m = question.data.measurements[i];
+    const T G = question.G(myogrowth::GrowthRate<T>{*tau, *gamma, *G_max, *lambda_crit}, i);
+    const T computed = m.of_G ? G : T(question.points[question.at[i]].stretch / G);
+    *residual = (computed - question.measured[i]) / m.sd;
+    return true;
+  }
+};
+
+using Free = std::array<bool, n_growth>;
+
+/// Ceres's problem for some values: those not free are held.
+struct Problem {
+  Values values;
+  ceres::Problem ceres;
+
+  Problem(const Question& question, const Values& start, const Free& free) : values(start) {
+    for (std::size_t i = 0; i < question.measured.size(); ++i) {
+      auto* cost = new ceres::AutoDiffCostFunction<Residual, 1, 1, 1, 1, 1>(new Residual{question, i});
+      ceres::LossFunction* loss = question.robust > 0 ? new ceres::HuberLoss(question.robust) : nullptr;
+      ceres.AddResidualBlock(cost, loss, &values[0], &values[1], &values[2], &values[3]);
+    }
+    for (std::size_t p = 0; p < n_growth; ++p) {
+      if (!free[p]) ceres.SetParameterBlockConstant(&values[p]);
+    }
+    for (const study::Bounds& b : question.data.fitted) {
+      double* x = &values[static_cast<std::size_t>(study::growth_index(b.name))];
+      *x = std::min(std::max(*x, b.lower), b.upper);
+      if (ceres.IsParameterBlockConstant(x)) continue;
+      ceres.SetParameterLowerBound(x, 0, b.lower);
+      ceres.SetParameterUpperBound(x, 0, b.upper);
+    }
+  }
+};
+
+struct Fit {
+  Values values;
+  double chi2;  // sum of squared residuals, or what Huber's loss makes of it
+};
+
+Fit minimise(const Question& question, const Values& start, const Free& free) {
+  Problem problem(question, start, free);
+  ceres::Solver::Options options;
+  options.logging_type = ceres::SILENT;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-12;
+  options.parameter_tolerance = 1e-10;
+  ceres::Solver::Summary summary;
+  if (std::find(free.begin(), free.end(), true) != free.end()) {
+    ceres::Solve(options, &problem.ceres, &summary);
+    if (!summary.IsSolutionUsable()) throw study::Error("no fit: " + summary.message);
+  }
+  double cost;
+  problem.ceres.Evaluate({}, &cost, nullptr, nullptr, nullptr);
+  return {problem.values, 2 * cost};
+}
+
+/// Fits from several starts within the bounds, the first given. All fits, the best first.
+/// said: whether to tell how far it is.
+std::vector<Fit> fits_from_starts(const Question& question, const Values& first, const Free& free,
+                                  long starts, std::mt19937_64& random, bool said) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Fit> fits{minimise(question, first, free)};
+  for (long s = 1; s < starts && !question.data.fitted.empty(); ++s) {
+    if (said) std::fprintf(stderr, "\r  start %ld of %ld", s + 1, starts);
+    Values start = first;
+    for (const study::Bounds& b : question.data.fitted) {
+      const bool wide = b.lower > 0 && b.upper > 10 * b.lower;
+      start[static_cast<std::size_t>(study::growth_index(b.name))] =
+          wide ? b.lower * std::pow(b.upper / b.lower, unit(random))
+               : b.lower + (b.upper - b.lower) * unit(random);
+    }
+    fits.push_back(minimise(question, start, free));
+  }
+  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.chi2 < b.chi2; });
+  return fits;
+}
+
+/// Derivatives of the residuals with respect to the fitted parameters, by Ceres from the Jets.
+Eigen::MatrixXd jacobian(const Question& question, const Values& values, const Free& free) {
+  if (question.data.fitted.empty()) return {};
+  Problem problem(question, values, free);
+  ceres::Problem::EvaluateOptions options;
+  for (const study::Bounds& b : question.data.fitted)
+    options.parameter_blocks.push_back(
+        &problem.values[static_cast<std::size_t>(study::growth_index(b.name))]);
+  ceres::CRSMatrix sparse;
+  problem.ceres.Evaluate(options, nullptr, nullptr, nullptr, &sparse);
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
+  for (std::size_t row = 0; row < static_cast<std::size_t>(sparse.num_rows); ++row) {
+    for (int k = sparse.rows[row]; k < sparse.rows[row + 1]; ++k) {
+      const auto entry = static_cast<std::size_t>(k);
+      J(static_cast<Eigen::Index>(row), sparse.cols[entry]) = sparse.values[entry];
+    }
+  }
+  return J;
+}
+
+/// What the curvature at the estimate says. Where the data leave a combination of parameters undetermined,
+/// the covariance does not exist and every entry is infinite or NaN.
+struct Covariance {
+  Eigen::MatrixXd covariance, correlation;
+  bool exists;
+  std::vector<std::string> undetermined;  // parameters in the combination
+
+  Covariance(const Eigen::MatrixXd& J, const std::vector<study::Bounds>& fitted) {
+    const Eigen::Index n = J.cols();
+    exists = n == 0;
+    if (exists) return;
+    // Columns of length 1, so that units do not matter.
+    Eigen::VectorXd length = J.colwise().norm().transpose();
+    for (double& l : length) l = l > 0 ? l : 1;
+    const Eigen::MatrixXd scaled = J * length.cwiseInverse().asDiagonal();
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
+    Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
+    s.head(svd.singularValues().size()) = svd.singularValues();
+    exists = s[n - 1] > 1e-7 * s[0];
+    covariance = correlation = Eigen::MatrixXd::Constant(n, n, std::numeric_limits<double>::quiet_NaN());
+    if (!exists) {
+      for (Eigen::Index i = 0; i < n; ++i) {
+        if (std::abs(svd.matrixV()(i, n - 1)) > 1e-3)
+          undetermined.push_back(fitted[static_cast<std::size_t>(i)].name);
+      }
+      return;
+    }
+    const Eigen::MatrixXd half =
+        length.cwiseInverse().asDiagonal() * svd.matrixV() * s.cwiseInverse().asDiagonal();
+    covariance = half * half.transpose();
+    const Eigen::VectorXd per_sd = covariance.diagonal().cwiseSqrt().cwiseInverse();
+    correlation = per_sd.asDiagonal() * covariance * per_sd.asDiagonal();
+  }
+};
+
+/// The least chi2 with one parameter held, along that parameter.
+struct Profile {
+  std::vector<double> x, chi2_more;  // chi2 above the minimum
+  double lower, upper;               // where it is chi2_95; infinite: nowhere within the bounds
+};
+
+/// One side of a profile, from the estimate to `end`: every fit starts from its neighbour's, on the way out
+/// and on the way back, since there may be two valleys.
+std::vector<Fit> profile_side(const Question& question, const Fit& best, const Free& others, std::size_t p,
+                              double end) {
+  constexpr int n = 20;
+  const double x0 = best.values[p];
+  const bool by_factors = end > 0 && (end > 4 * x0 || x0 > 4 * end);
+  std::vector<Fit> side;
+  Fit last = best;
+  for (int i = 1; i <= n && last.chi2 - best.chi2 < 5 * chi2_95; ++i) {
+    const double part = static_cast<double>(i) / n;
+    last.values[p] = by_factors ? x0 * std::pow(end / x0, part) : x0 + (end - x0) * part;
+    last = minimise(question, last.values, others);
+    side.push_back(last);
+  }
+  for (std::size_t i = side.size(); i > 1; --i) {
+    Values from_outside = side[i - 1].values;
+    from_outside[p] = side[i - 2].values[p];
+    const Fit again = minimise(question, from_outside, others);
+    if (again.chi2 < side[i - 2].chi2) side[i - 2] = again;
+  }
+  return side;
+}
+
+/// Where a side rises through chi2_95 for the last time; infinite: it ends below.
+double end_of_interval(const Fit& best, const std::vector<Fit>& side, std::size_t p) {
+  const auto root = [&](const Fit& f) { return std::sqrt(std::max(f.chi2 - best.chi2, 0.0)); };
+  const double wanted = std::sqrt(chi2_95);
+  if (side.empty() || root(side.back()) < wanted) return std::numeric_limits<double>::infinity();
+  std::size_t i = side.size() - 1;
+  while (i > 0 && root(side[i - 1]) >= wanted) --i;
+  const Fit &in = i > 0 ? side[i - 1] : best, &out = side[i];
+  return in.values[p] + (out.values[p] - in.values[p]) * (wanted - root(in)) / (root(out) - root(in));
+}
+
+/// sd: by curvature, for where to look first.
+Profile profile(const Question& question, const Fit& best, const Free& free, const study::Bounds& bounds,
+                double sd) {
+  const auto p = static_cast<std::size_t>(study::growth_index(bounds.name));
+  const double x0 = best.values[p], reach = 5 * sd;
+  Free others = free;
+  others[p] = false;
+  const auto look = [&](double bound, double& end) {
+    const bool near = std::abs(bound - x0) > reach;
+    auto side = profile_side(question, best, others, p, near ? x0 + std::copysign(reach, bound - x0) : bound);
+    end = end_of_interval(best, side, p);
+    if (near && !std::isfinite(end)) {
+      side = profile_side(question, best, others, p, bound);
+      end = end_of_interval(best, side, p);
+    }
+    return side;
+  };
+  Profile result;
+  std::vector<Fit> all = look(bounds.lower, result.lower), high = look(bounds.upper, result.upper);
+  std::reverse(all.begin(), all.end());
+  all.push_back(best);
+  all.insert(all.end(), high.begin(), high.end());
+  for (const Fit& f : all) {
+    result.x.push_back(f.values[p]);
+    result.chi2_more.push_back(f.chi2 - best.chi2);
+  }
+  return result;
+}
+
+Question question_of(const study::Study& data, double robust) {
+  Question q{data, {}, {}, {}, robust, {}, {}};
+  std::vector<double> stops;
+  for (const auto& m : data.measurements) stops.push_back(m.time);
+  q.points = study::cut(data.knots, stops, 0.002, 0.06);
+  for (const auto& m : data.measurements) {
+    // The last point of that time: after a step, if there is one.
+    std::size_t i = q.points.size();
+    while (q.points[i - 1].time > m.time + 1e-9) --i;
+    q.at.push_back(i - 1);
+    q.measured.push_back(m.value);
+  }
+  return q;
+}
+
+/// What the law gives for a measurement, in sd from 0.
+double computed(const Question& q, const Values& v, std::size_t i) {
+  double residual;
+  Residual{q, i}(&v[0], &v[1], &v[2], &v[3], &residual);
+  return q.measured[i] + residual * q.data.measurements[i].sd;
+}
+
+/// How often the 95 % intervals hold the truth.
+int coverage(const study::Study& data, const Values& truth, const Free& free, const study::Options& options,
+             const std::string& out) {
+  const long runs = options.count("coverage", 100, 1), starts = options.count("starts", 2, 1);
+  std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0)));
+  std::normal_distribution<double> normal;
+  Question q = question_of(data, options.number("robust", 0, 0));
+  std::vector<double> exact;
+  for (std::size_t i = 0; i < q.measured.size(); ++i) exact.push_back(computed(q, truth, i));
+  std::vector<long> by_curvature(data.fitted.size(), 0), by_profile(data.fitted.size(), 0);
+  std::vector<double> sum(data.fitted.size(), 0);
+  for (long run = 0; run < runs; ++run) {
+    for (std::size_t i = 0; i < exact.size(); ++i)
+      q.measured[i] = exact[i] + data.measurements[i].sd * normal(random);
+    Values middle = truth;
+    for (const study::Bounds& b : data.fitted)
+      middle[static_cast<std::size_t>(study::growth_index(b.name))] = (b.lower + b.upper) / 2;
+    const Fit best = fits_from_starts(q, middle, free, starts, random, false)[0];
+    const Covariance c(jacobian(q, best.values, free), data.fitted);
+    for (std::size_t k = 0; k < data.fitted.size(); ++k) {
+      const auto p = static_cast<std::size_t>(study::growth_index(data.fitted[k].name));
+      const auto d = static_cast<Eigen::Index>(k);
+      if (c.exists && std::abs(best.values[p] - truth[p]) <= z_95 * std::sqrt(c.covariance(d, d)))
+        ++by_curvature[k];
+      Values held = best.values;
+      held[p] = truth[p];
+      Free others = free;
+      others[p] = false;
+      if (minimise(q, held, others).chi2 - best.chi2 <= chi2_95) ++by_profile[k];
+      sum[k] += best.values[p];
+    }
+    if (run % 20 == 19) std::fprintf(stderr, "\r  %ld of %ld runs", run + 1, runs);
+  }
+  std::fprintf(stderr, "\n");
+  std::string rows;
+  std::vector<std::string> items;
+  std::printf("%ld runs, %zu measurements each\n%-12s %10s %12s %26s %26s\n", runs, exact.size(), "parameter",
+              "truth", "mean found", "held by curvature's 95 %", "held by profile's 95 %");
+  for (std::size_t k = 0; k < data.fitted.size(); ++k) {
+    const auto p = static_cast<std::size_t>(study::growth_index(data.fitted[k].name));
+    const double n = static_cast<double>(runs), mean = sum[k] / n;
+    std::printf("%-12s %10.5g %12.5g %24.1f %% %24.1f %%\n", data.fitted[k].name.c_str(), truth[p], mean,
+                100 * static_cast<double>(by_curvature[k]) / n, 100 * static_cast<double>(by_profile[k]) / n);
+    items.push_back(study::json_object({{"name", json(data.fitted[k].name)},
+                                        {"truth", json(truth[p])},
+                                        {"mean", json(mean)},
+                                        {"by_curvature", std::to_string(by_curvature[k])},
+                                        {"by_profile", std::to_string(by_profile[k])}}));
+  }
+  study::write_file(
+      std::filesystem::path(out) / "coverage.json",
+      study::json_object({{"runs", std::to_string(runs)}, {"parameters", study::json_array(items)}}));
+  return 0;
+}
+
+int fit(int argc, char** argv) {
+  const study::Options options(argc, argv, help, {"set", "robust", "starts", "coverage", "seed", "out"});
+  if (options.files.size() != 1) throw study::Error("expected one file (--help says more)");
+  study::Study data = study::Reader::read(options.files[0]);
+  options.set(data.muscle);
+  if (data.measurements.empty())
+    throw study::Error(options.files[0] + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
+  const std::string out = options.text("out", "out/fit/" + data.name);
+  std::filesystem::create_directories(out);
+
+  const auto& growth = data.muscle.growth;
+  const Values given{growth.growth_time, growth.gamma, growth.G_max, growth.lambda_crit};
+  Free free{};
+  for (const study::Bounds& b : data.fitted)
+    free[static_cast<std::size_t>(study::growth_index(b.name))] = true;
+  if (options.has("coverage")) {
+    if (data.fitted.empty())
+      throw study::Error(options.files[0] + ": expected a row 'fit, NAME, LOWER, UPPER'");
+    return coverage(data, given, free, options, out);
+  }
+
+  const Question q = question_of(data, options.number("robust", 0, 0));
+  std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0)));
+  const std::vector<Fit> fits = fits_from_starts(q, given, free, options.count("starts", 8, 1), random, true);
+  const Fit& best = fits[0];
+  const auto same = [&](const Fit& f) { return f.chi2 <= best.chi2 + 1e-6 * (1 + best.chi2); };
+  const auto agreeing = std::count_if(fits.begin(), fits.end(), same);
+  const Covariance c(jacobian(q, best.values, free), data.fitted);
+  const auto n = static_cast<long>(q.measured.size()), k = static_cast<long>(data.fitted.size());
+
+  std::string text = "# " + data.title + "\n\n";
+  std::vector<std::string> warnings, parameters, points, correlation, covariance;
+  text += format("%ld measurements, %ld parameters fitted; chi2 = %.3f", n, k, best.chi2);
+  if (k > 0) text += format("; %ld of %zu starts end there", static_cast<long>(agreeing), fits.size());
+  text += ".\n\n";
+
+  if (k > 0)
+    text +=
+        "| parameter | estimate | sd | 95 % by curvature | 95 % by profile likelihood | bounds "
+        "|\n|---|---|---|---|---|---|\n";
+  for (std::size_t i = 0; i < data.fitted.size(); ++i) {
+    const study::Bounds& b = data.fitted[i];
+    const auto d = static_cast<Eigen::Index>(i);
+    const double x = best.values[static_cast<std::size_t>(study::growth_index(b.name))],
+                 sd = std::sqrt(c.covariance(d, d));
+    std::fprintf(stderr, "\r  profile of %-12s", b.name.c_str());
+    const Profile along = profile(q, best, free, b, sd);
+    // A curvature of next to nothing is no interval.
+    const auto end = [&](double y) {
+      return std::isfinite(y) && std::abs(y) < 100 * b.upper ? format("%.5g", y) : std::string("open");
+    };
+    text += format("| %s | %.5g | %s | %s to %s | %s to %s | %g to %g |\n", b.name.c_str(), x,
+                   end(sd).c_str(), end(x - z_95 * sd).c_str(), end(x + z_95 * sd).c_str(),
+                   end(along.lower).c_str(), end(along.upper).c_str(), b.lower, b.upper);
+    const double width = b.upper - b.lower;
+    if (x - b.lower < 1e-6 * width || b.upper - x < 1e-6 * width)
+      warnings.push_back(
+          format("%s ends at a bound, %.5g: its interval by curvature means nothing.", b.name.c_str(), x));
+    if (!std::isfinite(along.lower) || !std::isfinite(along.upper))
+      warnings.push_back(format("The data do not bound %s %s between %g and %g.", b.name.c_str(),
+                                std::isfinite(along.lower)   ? "from above"
+                                : std::isfinite(along.upper) ? "from below"
+                                                             : "at all",
+                                b.lower, b.upper));
+    parameters.push_back(study::json_object({{"name", json(b.name)},
+                                             {"estimate", json(x)},
+                                             {"sd", json(sd)},
+                                             {"lower", json(along.lower)},
+                                             {"upper", json(along.upper)},
+                                             {"bounds", json(std::vector<double>{b.lower, b.upper})},
+                                             {"profile_x", json(along.x)},
+                                             {"profile", json(along.chi2_more)}}));
+  }
+  if (k > 0) std::fprintf(stderr, "\n");
+  if (!c.exists) {
+    std::string names;
+    for (const std::string& name : c.undetermined) names += (names.empty() ? "" : ", ") + name;
+    warnings.push_back(c.undetermined.size() == 1
+                           ? "The data say nothing of " + names + "."
+                           : "The data cannot tell " + names + " apart: a combination of them is free.");
+  }
+  for (Eigen::Index i = 0; i < c.correlation.rows(); ++i) {
+    std::vector<double> row, covariance_row;
+    for (Eigen::Index j = 0; j < c.correlation.cols(); ++j) {
+      row.push_back(c.correlation(i, j));
+      covariance_row.push_back(c.covariance(i, j));
+      if (j < i && std::abs(row.back()) > 0.95)
+        warnings.push_back(format("The data can hardly tell %s and %s apart: correlation %.3f.",
+                                  data.fitted[static_cast<std::size_t>(j)].name.c_str(),
+                                  data.fitted[static_cast<std::size_t>(i)].name.c_str(), row.back()));
+    }
+    correlation.push_back(json(row));
+    covariance.push_back(json(covariance_row));
+  }
+  if (n < k) warnings.push_back(format("%ld measurements cannot decide %ld parameters.", n, k));
+  if (n > k && best.chi2 > static_cast<double>(n - k) + 3 * std::sqrt(2.0 * static_cast<double>(n - k)))
+    warnings.push_back(format(
+        "chi2 = %.1f for %ld degrees of freedom: the law misses the data by more than their deviations, "
+        "and the intervals are too narrow.",
+        best.chi2, n - k));
+
+  const auto matrix = [&](const char* title, const char* number, const Eigen::MatrixXd& m) {
+    text += format("\n| %s |", title);
+    std::string rule = "|---|";
+    for (const auto& b : data.fitted) {
+      text += " " + b.name + " |";
+      rule += "---|";
+    }
+    text += "\n" + rule + "\n";
+    for (Eigen::Index row = 0; row < k; ++row) {
+      text += "| " + data.fitted[static_cast<std::size_t>(row)].name + " |";
+      for (Eigen::Index column = 0; column < k; ++column) text += " " + format(number, m(row, column)) + " |";
+      text += "\n";
+    }
+  };
+  if (k > 1 && c.exists) {
+    matrix("correlation", "%.3f", c.correlation);
+    matrix("covariance", "%.4g", c.covariance);
+  }
+  text += "\n| day | quantity | measured | sd | computed | off by |\n|---|---|---|---|---|---|\n";
+  for (std::size_t i = 0; i < q.measured.size(); ++i) {
+    const study::Measurement& m = data.measurements[i];
+    const double y = computed(q, best.values, i), off = 100 * (y - m.value) / m.value;
+    text += format("| %g | %s | %.4f | %.4f | %.4f | %+.2f %% |\n", m.time, m.of_G ? "G" : "lambda_e",
+                   m.value, m.sd, y, off);
+    points.push_back(study::json_object({{"day", json(m.time)},
+                                         {"quantity", json(std::string(m.of_G ? "G" : "lambda_e"))},
+                                         {"value", json(m.value)},
+                                         {"sd", json(m.sd)},
+                                         {"computed", json(y)}}));
+  }
+  for (const std::string& warning : warnings) text += "\n**Warning:** " + warning + "\n";
+  std::printf("%s", text.c_str());
+
+  // The history at the estimate, finer than it was fitted with.
+  auto muscle = data.muscle;
+  muscle.growth = {best.values[0], best.values[1], best.values[2], best.values[3]};
+  std::vector<double> stops;
+  for (const auto& m : data.measurements) stops.push_back(m.time);
+  const auto curve = study::pull(muscle, study::cut(data.knots, stops, 0.002, 0.03));
+  if (k > 0) text += "\n![fit](fit.png)\n![profiles](profiles.png)\n";
+  study::write_file(std::filesystem::path(out) / "report.md", text);
+  study::write_file(
+      std::filesystem::path(out) / "report.json",
+      study::json_object(
+          {{"title", json(data.title)},
+           {"name", json(data.name)},
+           {"chi2", json(best.chi2)},
+           {"measurements", study::json_array(points)},
+           {"parameters", study::json_array(parameters)},
+           {"values", json(std::vector<double>(best.values.begin(), best.values.end()))},
+           {"starts_agreeing", std::to_string(agreeing)},
+           {"starts", std::to_string(fits.size())},
+           {"correlation", study::json_array(correlation)},
+           {"covariance", study::json_array(covariance)},
+           {"warnings", study::json_array(warnings, [](const std::string& w) { return w; })},
+           {"time", study::json_array(curve, [](const study::Point& p) { return p.time; })},
+           {"lambda_e", study::json_array(curve, [](const study::Point& p) { return p.lambda_e; })},
+           {"G", study::json_array(curve, [](const study::Point& p) { return p.G; })},
+           {"stretch", study::json_array(curve, [](const study::Point& p) { return p.stretch; })}}));
+  std::printf("\nresults in %s\n", out.c_str());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return study::run([&] { return fit(argc, argv); });
+}

@@ -1,0 +1,315 @@
+// Compares protocols of lengthening, and finds the fastest that keeps the elastic stretch below a limit.
+//
+// What of the library it shows: a strip of muscle with free sides, pulled (study.hpp, pull: uniaxial_stress
+// with the exact flow of eq. 4), and the adaptation function by itself.
+#include "../common/study.hpp"
+
+namespace {
+
+using study::format;
+using study::json;
+using study::Point;
+
+const char* const help = R"(usage: ./run protocol FILE.csv [FILE.csv ...] [OPTIONS]
+       ./run protocol --design STRETCH --limit LAMBDA_E [FILE.csv] [OPTIONS]
+
+Pulls a strip of muscle with free sides through every protocol (rows: examples/common/study.hpp; examples/protocols
+has some) and compares them, in a table and a figure. With --design: the fastest way to STRETCH on which the elastic
+stretch never exceeds LAMBDA_E, with its daily schedule; FILE may set the parameters and the rest length.
+
+  --set NAME=VALUE   a parameter of every protocol: c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_rev
+  --injury LAMBDA_E  elastic stretch above which time is counted; default 1.1, a number to choose, not a finding
+  --within X         time to return: until lambda_e stays below 1 + X; default 0.03
+  --rest-length MM   length at stretch 1, for the schedule; default: FILE's, else 100
+  --out DIR          folder of the tables and pictures; default out/protocol, with --design out/design
+)";
+
+struct Outcome {
+  std::string title, name;
+  double end_of_lengthening, final_stretch;
+  double peak, peak_day;      // of lambda_e
+  double above_injury, dose;  // days; their integral of lambda_e - injury [days]
+  double returned;            // day; 0: never gone, infinite: not within the run
+  double peak_force, final_G, final_lambda_e;
+};
+
+/// Day at which a straight line between two points has this lambda_e.
+double crossing(const Point& a, const Point& b, double level) {
+  return a.time + (b.time - a.time) * (level - a.lambda_e) / (b.lambda_e - a.lambda_e);
+}
+
+Outcome judge(const study::Study& s, const std::vector<Point>& run, double injury, double within) {
+  Outcome o{s.title, s.name, 0, run.back().stretch, 0, 0, 0, 0, 0, 0, run.back().G, run.back().lambda_e};
+  const double level = 1 + within;
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const Point &b = run[i], &a = run[i > 0 ? i - 1 : 0];
+    if (b.lambda_e > o.peak) {
+      o.peak = b.lambda_e;
+      o.peak_day = b.time;
+    }
+    o.peak_force = std::max(o.peak_force, b.force);
+    if (b.stretch > a.stretch) o.end_of_lengthening = b.time;
+    const double over_a = a.lambda_e - injury, over_b = b.lambda_e - injury;
+    if (over_a > 0 || over_b > 0) {
+      const double from = over_a < 0 ? crossing(a, b, injury) : a.time;
+      const double to = over_b < 0 ? crossing(a, b, injury) : b.time;
+      o.above_injury += to - from;
+      o.dose += (to - from) * (std::max(over_a, 0.0) + std::max(over_b, 0.0)) / 2;
+    }
+    if (b.lambda_e > level) {
+      o.returned = std::numeric_limits<double>::infinity();
+    } else if (a.lambda_e > level) {
+      o.returned = crossing(a, b, level);
+    }
+  }
+  return o;
+}
+
+std::string csv(const std::vector<Point>& run) {
+  std::string text = "day,stretch,G,lambda_e,force_per_reference_area,lateral_stretch\n";
+  for (const Point& p : run)
+    text += format("%.6g,%.8g,%.8g,%.8g,%.8g,%.8g\n", p.time, p.stretch, p.G, p.lambda_e, p.force, p.lateral);
+  return text;
+}
+
+std::string json_of(const std::vector<Point>& run) {
+  const auto column = [&](double Point::*member) {
+    return study::json_array(run, [member](const Point& p) { return p.*member; });
+  };
+  return study::json_object({{"time", column(&Point::time)},
+                             {"stretch", column(&Point::stretch)},
+                             {"G", column(&Point::G)},
+                             {"lambda_e", column(&Point::lambda_e)},
+                             {"force", column(&Point::force)}});
+}
+
+int compare(const study::Options& options) {
+  const double injury = options.number("injury", 1.1, 0), within = options.number("within", 0.03, 0);
+  const std::string out = options.text("out", "out/protocol");
+  std::filesystem::create_directories(out);
+  std::vector<study::Study> protocols;
+  double end = 0;
+  for (const std::string& file : options.files) {
+    protocols.push_back(study::Reader::read(file));
+    options.set(protocols.back().muscle);
+    if (protocols.back().knots.size() < 2)
+      throw study::Error(file + ": expected a row step, ramp, hold or distract");
+    for (const study::Study& other : protocols) {
+      if (&other != &protocols.back() && other.name == protocols.back().name)
+        throw study::Error(file + ": expected another name than that of a file before");
+    }
+    end = std::max(end, protocols.back().knots.back().time);
+  }
+  std::string text = format(
+      "| protocol | lengthened by day | peak lambda_e | on day | days above %g | dose above it [days] | "
+      "below %g from day | peak force | G at the end |\n|---|---|---|---|---|---|---|---|---|\n",
+      injury, 1 + within);
+  std::vector<std::string> items;
+  for (const study::Study& s : protocols) {
+    // All to the same day, so that they can be compared.
+    const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02));
+    const Outcome o = judge(s, run, injury, within);
+    study::write_file(std::filesystem::path(out) / (s.name + ".csv"), csv(run));
+    const std::string returned = !std::isfinite(o.returned) ? "never"
+                                 : o.returned > 0           ? format("%.2f", o.returned)
+                                                            : "always";
+    text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f |\n", o.title.c_str(),
+                   o.end_of_lengthening, o.peak, o.peak_day, o.above_injury, o.dose, returned.c_str(),
+                   o.peak_force, o.final_G);
+    items.push_back(study::json_object({{"name", json(o.name)},
+                                        {"title", json(o.title)},
+                                        {"end_of_lengthening", json(o.end_of_lengthening)},
+                                        {"final_stretch", json(o.final_stretch)},
+                                        {"peak_lambda_e", json(o.peak)},
+                                        {"peak_day", json(o.peak_day)},
+                                        {"days_above_injury", json(o.above_injury)},
+                                        {"dose_above_injury", json(o.dose)},
+                                        {"returned", json(o.returned)},
+                                        {"peak_force", json(o.peak_force)},
+                                        {"final_G", json(o.final_G)},
+                                        {"final_lambda_e", json(o.final_lambda_e)},
+                                        {"run", json_of(run)}}));
+  }
+  std::printf("%s", text.c_str());
+  study::write_file(std::filesystem::path(out) / "report.md", text + "\n![protocols](protocols.png)\n");
+  study::write_file(
+      std::filesystem::path(out) / "report.json",
+      study::json_object(
+          {{"injury", json(injury)}, {"within", json(within)}, {"protocols", study::json_array(items)}}));
+  std::printf("\nresults in %s\n", out.c_str());
+  return 0;
+}
+
+// ---- The fastest admissible protocol (docs/studies.md has the proof)
+
+/// With lambda_e held at its limit m the right side of eq. 4 is a function of G alone. In x = (G_max -
+/// G)/(G_max - 1) it reads dx/dt = -s x^gamma, s = (m - lambda_crit)/(tau (G_max - 1)), x(0) = 1.
+struct Ride {
+  const myogrowth::GrowthRate<>& growth;
+  double limit;
+
+  double s() const { return (limit - growth.lambda_crit) / (growth.growth_time * (growth.G_max - 1)); }
+  /// G on day t.
+  double G(double t) const {
+    const double g = growth.gamma;
+    double x;
+    if (std::abs(g - 1) < 1e-9) {
+      x = std::exp(-s() * t);
+    } else {
+      const double base = 1 + (g - 1) * s() * t;  // for gamma < 1 growth ends where it reaches 0
+      x = base > 0 ? std::pow(base, -1 / (g - 1)) : 0;
+    }
+    return growth.G_max - (growth.G_max - 1) * x;
+  }
+  /// Day on which the stretch is reached; infinite: never.
+  double day(double stretch) const {
+    if (stretch <= limit) return 0;
+    const double x = (growth.G_max - stretch / limit) / (growth.G_max - 1), g = growth.gamma;
+    if (x < 0 || (x == 0 && g >= 1)) return std::numeric_limits<double>::infinity();
+    return std::abs(g - 1) < 1e-9 ? -std::log(x) / s() : (std::pow(x, 1 - g) - 1) / ((g - 1) * s());
+  }
+};
+
+/// The same in steps once a day: every morning up to the limit for the G that the night has made. Knots.
+std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, double limit, double target) {
+  std::vector<study::Knot> knots{{0, 1}};
+  double G = 1;
+  constexpr int most_days = 3650;
+  for (int day = 0; day < most_days && knots.back().stretch < target; ++day) {
+    const double stretch = std::min(target, std::max(limit * G, knots.back().stretch));
+    knots.push_back({static_cast<double>(day), stretch});
+    knots.push_back({day + 1.0, stretch});
+    G = flow_growth(muscle.growth, muscle.removal, G, stretch, 1.0).G;
+  }
+  return knots;
+}
+
+/// The shortest ramp at a constant rate, from stretch 1, that keeps to the limit; its days. Infinite: longer
+/// than `most`.
+double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, double target, double most) {
+  const auto admissible = [&](double days) {
+    const auto run = study::pull(muscle, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0));
+    return std::all_of(run.begin(), run.end(), [&](const Point& p) { return p.lambda_e <= limit; });
+  };
+  if (!admissible(most)) return std::numeric_limits<double>::infinity();
+  double low = 0, high = most;
+  while (high - low > 1e-4 * high) (admissible((low + high) / 2) ? high : low) = (low + high) / 2;
+  return high;
+}
+
+int design(const study::Options& options) {
+  const double target = options.number("design", 0, 1), limit = options.number("limit", 0, 0);
+  if (options.files.size() > 1)
+    throw study::Error("--design: expected at most one file, for parameters and rest length");
+  study::Study s;
+  if (!options.files.empty()) s = study::Reader::read(options.files[0]);
+  options.set(s.muscle);
+  const auto& growth = s.muscle.growth;
+  const double rest = options.number("rest-length", s.rest_length > 0 ? s.rest_length : 100, 0);
+  if (!options.has("limit")) throw study::Error("--design: expected --limit LAMBDA_E with it");
+  if (!(limit > growth.lambda_crit) || !(limit > 1))
+    throw study::Error("--limit = " + study::text_of(limit) +
+                       ": expected more than 1 and than lambda_crit = " + study::text_of(growth.lambda_crit) +
+                       ", or nothing grows");
+  const std::string out = options.text("out", "out/design");
+  std::filesystem::create_directories(out);
+
+  const Ride ride{growth, limit};
+  const double days = ride.day(target);
+  if (!std::isfinite(days)) {
+    const bool ends = growth.gamma < 1;
+    std::printf(
+        "No protocol reaches stretch %g with lambda_e <= %g: the muscle grows to G_max = %g at most, and so\n"
+        "to stretch %g x %g = %g%s. Allow lambda_e > %.5g, or ask for less.\n",
+        target, limit, growth.G_max, limit, growth.G_max, limit * growth.G_max,
+        ends ? "" : ", which it nears without an end", target / growth.G_max);
+    return 1;
+  }
+
+  // The ride as a history: knots on the closed form, close enough for straight lines between them.
+  std::vector<study::Knot> knots{{0, 1}, {0, std::min(limit, target)}};
+  constexpr int pieces = 400;
+  for (int i = 1; i <= pieces && days > 0; ++i) {
+    const double part = static_cast<double>(i) / pieces, t = days * part * part;  // closer at the start
+    knots.push_back({t, limit * ride.G(t)});
+  }
+  const double after = std::max(days, 14.0);
+  const auto run =
+      study::pull(s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02));
+  double peak = 0, off = 0;
+  for (const Point& p : run) {
+    peak = std::max(peak, p.lambda_e);
+    if (p.time <= days) off = std::max(off, std::abs(p.G - ride.G(p.time)));
+  }
+  auto step_knots = daily_steps(s.muscle, limit, target);
+  const bool steps_arrive = step_knots.back().stretch >= target;
+  const double step_days = step_knots[step_knots.size() - 2].time;
+  const auto step_run = study::pull(s.muscle, study::cut(step_knots, {days + after}, 0.002, 0.02));
+  double step_peak = 0;
+  for (const Point& p : step_run) step_peak = std::max(step_peak, p.lambda_e);
+  const double ramp_days = days > 0 ? shortest_ramp(s.muscle, limit, target, 100 * days) : 0;
+
+  std::string text =
+      format("Stretch %g, %g mm of %g mm, with lambda_e <= %g\n\n", target, rest * (target - 1), rest, limit);
+  text += "| protocol | days | peak lambda_e |\n|---|---|---|\n";
+  text += format("| fastest: at once to %g, then riding the limit (closed form) | %.4f | %g |\n",
+                 std::min(limit, target), days, std::min(limit, target));
+  text += format("| the same, simulated: G off by %.1e at most | %.4f | %.6f |\n", off, days, peak);
+  text += steps_arrive
+              ? format("| in steps once a day, up to the limit each | %.0f | %.6f |\n", step_days, step_peak)
+              : std::string("| in steps once a day, up to the limit each | not within 3650 | |\n");
+  text +=
+      std::isfinite(ramp_days)
+          ? format("| at a constant rate, the shortest that is admissible | %.4f | %g |\n", ramp_days,
+                   std::min(limit, target))
+          : std::string(
+                "| at a constant rate, the shortest that is admissible | more than 100 times the fastest | "
+                "|\n");
+  std::printf("%s", text.c_str());
+
+  std::string schedule =
+      "day,fastest_stretch,fastest_mm,fastest_mm_this_day,steps_stretch,steps_mm,steps_mm_this_day\n";
+  double last = 0, last_step = 0;
+  const int last_day = static_cast<int>(std::ceil(std::max(days, steps_arrive ? step_days : 0)));
+  const auto stretch_of_steps = [&](int day) {
+    const std::size_t i = 1 + 2 * static_cast<std::size_t>(day);
+    return i < step_knots.size() ? step_knots[i].stretch : step_knots.back().stretch;
+  };
+  for (int day = 0; day <= last_day; ++day) {
+    const double a = std::min(target, limit * ride.G(std::min(static_cast<double>(day), days)));
+    const double b = stretch_of_steps(day), mm = rest * (a - 1), step_mm = rest * (b - 1);
+    schedule +=
+        format("%d,%.6f,%.4f,%.4f,%.6f,%.4f,%.4f\n", day, a, mm, mm - last, b, step_mm, step_mm - last_step);
+    last = mm;
+    last_step = step_mm;
+  }
+  study::write_file(std::filesystem::path(out) / "schedule.csv", schedule);
+  study::write_file(std::filesystem::path(out) / "report.md", text + "\n![design](design.png)\n");
+  study::write_file(std::filesystem::path(out) / "fastest.csv", csv(run));
+  study::write_file(std::filesystem::path(out) / "report.json",
+                    study::json_object({{"target", json(target)},
+                                        {"limit", json(limit)},
+                                        {"days", json(days)},
+                                        {"peak", json(peak)},
+                                        {"G_off", json(off)},
+                                        {"step_days", json(steps_arrive ? step_days : NAN)},
+                                        {"step_peak", json(step_peak)},
+                                        {"ramp_days", json(ramp_days)},
+                                        {"rest_length", json(rest)},
+                                        {"run", json_of(run)},
+                                        {"steps", json_of(step_run)}}));
+  std::printf("\nlengths day by day: %s/schedule.csv\nresults in %s\n", out.c_str(), out.c_str());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return study::run([&] {
+    const study::Options options(argc, argv, help,
+                                 {"set", "injury", "within", "design", "limit", "rest-length", "out"});
+    if (options.has("design")) return design(options);
+    if (options.files.empty()) throw study::Error("expected a file, or --design (--help says more)");
+    return compare(options);
+  });
+}
