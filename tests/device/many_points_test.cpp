@@ -132,8 +132,8 @@ TEST(SinglePrecision, GoodToItsRounding) {
   std::printf("largest errors of single precision: G %.1e, stress %.1e, DDSDDE %.1e\n", d.G, d.stress,
               d.tangent);
   EXPECT_LE(d.G, 5e-7);
-  EXPECT_LE(d.stress, 1e-5);
-  EXPECT_LE(d.tangent, 1e-4);
+  EXPECT_LE(d.stress, 1e-6);
+  EXPECT_LE(d.tangent, 2e-6);
 }
 
 }  // namespace
