@@ -80,9 +80,10 @@ std::complex<R> log1p(const std::complex<R>& z) {
 /// ln(1 + f) = 2 artanh(s), s = f/(2 + f), for 1 + f from sqrt(1/2) to sqrt(2): with z = s^2 and h = f^2/2 it
 /// is f - (h - s (h + z Q(z))). Q by Chebyshev interpolation, error 3e-16; these are its coefficients.
 struct LogarithmSeries {
-  double Q[7] = {0.14616585424888621989, 0.15331710618210771568, 0.18182889455674946039,
-                 0.22222211130259877029, 0.28571428626003268742, 0.39999999999899443233,
-                 0.66666666666666696883};
+  static constexpr double q6 = 0.14616585424888621989, q5 = 0.15331710618210771568,
+                          q4 = 0.18182889455674946039, q3 = 0.22222211130259877029,
+                          q2 = 0.28571428626003268742, q1 = 0.39999999999899443233,
+                          q0 = 0.66666666666666696883;
 };
 
 /// ln(1 + d/G) for x = d/G. For doubles by the series that packs have as well (simd.hpp).
@@ -92,10 +93,10 @@ MYOGROWTH_FUNCTION T ln_1_plus(const T& x, const T&, const T&) {
 }
 MYOGROWTH_FUNCTION inline double ln_1_plus(double x, double d, double G) {
   if (!(x > -0.29 && x < 0.41)) return log1p(x);
-  constexpr LogarithmSeries series{};
-  const auto& Q = series.Q;
+  using Q = LogarithmSeries;
   const double s = d / (G + G + d), z = s * s, z2 = z * z, half_square = 0.5 * x * x;
-  const double sum = ((Q[6] + Q[5] * z) + z2 * (Q[4] + Q[3] * z)) + z2 * z2 * ((Q[2] + Q[1] * z) + z2 * Q[0]);
+  const double sum =
+      ((Q::q0 + Q::q1 * z) + z2 * (Q::q2 + Q::q3 * z)) + z2 * z2 * ((Q::q4 + Q::q5 * z) + z2 * Q::q6);
   return x - (half_square - s * (half_square + z * sum));
 }
 

@@ -447,6 +447,14 @@ P horner(const P& x, const double* c, int n) {
   return sum;
 }
 
+/// Q(z) of LogarithmSeries.
+template <class P>
+P logarithm_series(const P& z) {
+  using Q = LogarithmSeries;
+  static constexpr double coefficients[] = {Q::q6, Q::q5, Q::q4, Q::q3, Q::q2, Q::q1, Q::q0};
+  return horner(z, coefficients, 7);
+}
+
 /// ln(u + error) for u normal and > 0, |error| below u's rounding; one register.
 template <class V, int N>
 typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& error) {
@@ -470,8 +478,7 @@ typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& err
   const P s = f / (P(V(2)) + f);
   const P z = s * s;
   const P half_square = P(V(0.5)) * f * f;
-  static constexpr LogarithmSeries series{};
-  const P r = z * horner(z, series.Q, 7);
+  const P r = z * logarithm_series(z);
   const P small = half_square - (s * (half_square + r) + k * P(F::ln2_low));
   return (k * P(F::ln2_high) - (small - f)).v[0];
 }
@@ -550,8 +557,7 @@ template <class V, int N>
 Pack<V, N> ln_1_plus(const Pack<V, N>& x, const Pack<V, N>& d, const Pack<V, N>& G) {
   using P = Pack<V, N>;
   const P s = d / (G + G + d), z = s * s, half_square = P(V(0.5)) * x * x;
-  static constexpr LogarithmSeries series{};
-  const P y = x - (half_square - s * (half_square + z * detail::horner(z, series.Q, 7)));
+  const P y = x - (half_square - s * (half_square + z * detail::logarithm_series(z)));
   const auto outside = !((x > P(V(-0.29))) & (x < P(V(0.41))));
   return any(outside) ? select(outside, log1p(x), y) : y;
 }
