@@ -23,7 +23,7 @@ py::tuple update(const Array& props, const Array& F, const Array& state, double 
                  bool with_tangent) {
   const py::ssize_t n = F.shape(0), n_state = state.shape(1), size = myogrowth_stress_size(measure);
   if (n > INT_MAX) throw py::value_error("too many points for one call: at most 2147483647");
-  Array stress({n, size}), energy({n}), state_out({n, n_state});
+  Array stress({n, size}), energy(n), state_out({n, n_state});
   py::object tangent = py::none();
   double* tangent_data = nullptr;
   if (with_tangent) {
@@ -31,7 +31,7 @@ py::tuple update(const Array& props, const Array& F, const Array& state, double 
     tangent_data = filled.mutable_data();
     tangent = std::move(filled);
   }
-  py::array_t<int> status({n});
+  py::array_t<int> status(n);
   char message[400] = "";
   const double *F_data = F.data(), *state_data = state.data(), *props_data = props.data();
   double *stress_data = stress.mutable_data(), *energy_data = energy.mutable_data(),

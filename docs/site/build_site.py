@@ -44,7 +44,8 @@ def place_of(page):
 
 
 def lay_out(source, target, pages):
-    """Copies a page and the pictures and files it links to; a link to a file of the repository becomes a download."""
+    """Copies a page and the pictures and files it links to; a link to a file of the repository becomes a download, one to
+    a folder leads to its README if that is a page, and else is no link."""
     text = (ROOT / source).read_text(encoding="utf-8")
     text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", text, flags=re.S | re.M)  # a code host's way of saying it
     here = pathlib.PurePosixPath(source).parent
@@ -54,6 +55,10 @@ def lay_out(source, target, pages):
         if re.match(r"[a-z]+:", path):
             return match.group(0)
         file = os.path.normpath(str(here / path))
+        if (ROOT / file).is_dir():
+            if f"{file}/README.md" not in pages:
+                return opening[1:-2]
+            file += "/README.md"
         if file in pages:
             path = os.path.relpath(place_of(file), place_of(source).parent)
         elif file == "abi/myogrowth.h":

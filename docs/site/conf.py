@@ -1,6 +1,7 @@
 """Sphinx's settings. build_site.py lays out the pages and calls it."""
 import logging
 import os
+import re
 
 project = "myogrowth"
 author = "the myogrowth authors"
@@ -37,6 +38,6 @@ autodoc_member_order = "bysource"
 autodoc_type_aliases = {name: name for name in ("ArrayLike", "Floats", "Measure")}
 autodoc_preserve_defaults = True
 
-# Every header opens the namespace anew, which Sphinx takes for a second declaration.
+# Every header opens the namespaces anew, which Sphinx takes for second declarations.
 logging.getLogger("sphinx.sphinx.domains.cpp").addFilter(
-    lambda record: not ("Duplicate" in record.getMessage() and ":: myogrowth'" in record.getMessage()))
+    lambda record: not re.search(r"Duplicate.*cpp:type:: (myogrowth|batch|simd)'", record.getMessage(), re.S))
