@@ -167,27 +167,40 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   };
   const auto first = step_from(G_n, one, A);
   P G = G_n + rough_quotient(first.first, first.second);
-  const P c = A * (lambda - crit * G_n);
-  const auto is_long = grows & (c > E * G_n * (end - G_n));
-  if (any(is_long)) G = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G);
-  G = select((G_n < G) & (G < end), G, select(is_long, end, G_n));
+  const auto is_long = grows & (A * (lambda - crit * G_n) > E * G_n * (end - G_n));
+  G = select((G_n < G) & (G < end), G, G_n);
 
-  const P epsilon_(epsilon), at_end(256 * epsilon), gamma_plus_1(V(1) + rate.gamma);
-  Mask<V, N> active = grows;
-  constexpr int patience = 24;
-  for (int iteration = 0; iteration < patience && any(active); ++iteration) {
+  // A lane that is done stays as it is, whatever its neighbours do.
+  const P epsilon_(epsilon), gamma_plus_1(V(1) + rate.gamma);
+  auto active = grows & !is_long, by_newton = is_long;
+  for (int iteration = 0; iteration < 4 && any(active); ++iteration) {
     const P room = limit - G, x = room * per_room;
     const auto quotient = step_from(G, x, A * common.to_gamma(x));
     const P step = near_quotient(quotient.first, quotient.second);  // a last one is below 1e-4 G
-    const P next = G + step;
-    const P unit = next * room, s = step * (gamma_plus_1 * next + room);
-    const auto last =
-        (s * s * (s * step) < epsilon_ * next * (unit * unit * unit)) | (end - G <= at_end * end);
-    // A lane that is done stays as it is, whatever its neighbours do. One that leaves the bracket is taken
-    // half the way, to the end itself if that is next to it.
-    const P half_way = select(last, end, P(V(0.5)) * (G + end));
-    G = select(active, select(next < end, select(G_n < next, next, G), half_way), G);
-    active = active & !last;
+    const P next = G + step, unit = next * room, s = step * (gamma_plus_1 * next + room);
+    const auto inside = active & (G_n <= next) & (next <= end);
+    G = select(inside, next, G);
+    by_newton = by_newton | (active & !inside);
+    active = inside & !(s * s * (s * step) < epsilon_ * next * (unit * unit * unit));
+  }
+  active = by_newton | active;
+  if (any(active)) {  // Newton's method, from before the root
+    P start = G_n;
+    if (any(is_long)) start = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G_n);
+    G = select(active, select(start < end, start, end), G);
+    constexpr int patience = 24;
+    for (int iteration = 0; iteration < patience && any(active); ++iteration) {
+      const P room = limit - G, x = room * per_room;
+      const P k = A * common.to_gamma(x), kq = k * (lambda - crit * G);
+      const P to_do = (kq - E * G * (G - G_n)) * x, slope = (E * (G + G - G_n) + k * crit) * x + g1 * kq;
+      const P step =
+          rough_quotient(to_do * G, slope * G + to_do);  // corrected by the next, or beyond all digits
+      const P next = G + step;
+      const auto onward = active & (next > G), inside = next < end;  // (not onward: rounding)
+      G = select(onward, select(inside, next, end), G);
+      active = onward & inside &
+               !(step * step * (gamma_plus_1 * next + room) < P(epsilon / 4) * next * next * room);
+    }
   }
   left = active | (grows & !in_range);
 
