@@ -65,12 +65,16 @@ class Elements {
   /// One step of length dt [time]. Stops at the first point without a result.
   Failure evaluate(const Cells& cells, double dt, const Forces& out);
 
+  /// CPU seconds that the law has taken of that.
+  double law_seconds() const { return law_seconds_; }
+
  private:
   template <Shape shape, bool tangent>
   Failure block(const Cells& cells, int first, int n, double dt, const Forces& out);
 
   myogrowth::FibreGrowth<> material_;
   Volume volume_;
+  double law_seconds_ = 0;
 };
 
 /// Places [length] and volumes [length^3] of the integration points of a cell, points x 3 and points.

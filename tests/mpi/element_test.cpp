@@ -1,9 +1,9 @@
-// The element of examples/dealii by itself: its stiffness against differences of its residual, and its residual against
-// the library's update at every point.
+// The element of examples/dealii by itself: its stiffness against differences of its residual, and its
+// residual against the library's update at every point.
 #include "../../examples/dealii/element.hpp"
 
-#include <cmath>
 #include <gtest/gtest.h>
+#include <cmath>
 #include <myogrowth/material.hpp>
 #include <random>
 #include <vector>
@@ -18,8 +18,10 @@ struct Sample {
   int n, dofs, points;
   std::vector<double> X, u, n0, G_n, lambda_n;
 
-  Sample(Shape shape_, int cells) : shape(shape_), n(cells), dofs(3 * n_nodes(shape_)), points(n_points(shape_)) {
-    static constexpr double hex[24] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
+  Sample(Shape shape_, int cells)
+      : shape(shape_), n(cells), dofs(3 * n_nodes(shape_)), points(n_points(shape_)) {
+    static constexpr double hex[24] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0,
+                                       0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
     static constexpr double wedge[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
     std::mt19937 random(7);
     std::uniform_real_distribution<double> d(-1, 1);
@@ -46,7 +48,8 @@ struct Sample {
   }
 };
 
-class Tangents : public testing::TestWithParam<std::tuple<Shape, Volume, myogrowth::EnergyPer, myogrowth::TimeIntegration>> {
+class Tangents : public testing::TestWithParam<
+                     std::tuple<Shape, Volume, myogrowth::EnergyPer, myogrowth::TimeIntegration>> {
  protected:
   Shape shape = std::get<0>(GetParam());
   Volume volume = std::get<1>(GetParam());
@@ -89,12 +92,13 @@ TEST_P(Tangents, AreTheDerivativesOfTheResidual) {
   EXPECT_GT(unsymmetric, 1e-3 * largest);  // it grows: the test sees the growth term
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Elements, Tangents,
-    testing::Combine(testing::Values(Shape::hex, Shape::wedge),
-                     testing::Values(Volume::pointwise, Volume::mean_dilatation),
-                     testing::Values(myogrowth::EnergyPer::reference_volume, myogrowth::EnergyPer::grown_volume),
-                     testing::Values(myogrowth::TimeIntegration::backward_euler, myogrowth::TimeIntegration::midpoint_flow)));
+INSTANTIATE_TEST_SUITE_P(Elements, Tangents,
+                         testing::Combine(testing::Values(Shape::hex, Shape::wedge),
+                                          testing::Values(Volume::pointwise, Volume::mean_dilatation),
+                                          testing::Values(myogrowth::EnergyPer::reference_volume,
+                                                          myogrowth::EnergyPer::grown_volume),
+                                          testing::Values(myogrowth::TimeIntegration::backward_euler,
+                                                          myogrowth::TimeIntegration::midpoint_flow)));
 
 // A homogeneous deformation: the points' forces are P:grad N, and J^ is det F.
 TEST(Element, GivesTheLawsStressAndState) {
