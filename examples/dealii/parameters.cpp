@@ -253,12 +253,14 @@ void check_together(Parameters& p) {
 Parameters read_parameters(const std::string& file, const std::vector<std::string>& overrides) {
   ParameterHandler prm;
   declare(prm);
+  std::string now;  // the argument that is read
   try {
     if (!file.empty()) {
       check(std::ifstream(file).good(), file + ": cannot be read");
       prm.parse_input(file);
     }
     for (const std::string& argument : overrides) {
+      now = argument;
       const std::size_t slash = argument.find('/'), equals = argument.find('=');
       check(slash < equals && equals != std::string::npos, argument + ": must be Section/Entry=value");
       prm.parse_input_from_string("subsection " + argument.substr(0, slash) + "\nset " +
@@ -269,11 +271,15 @@ Parameters read_parameters(const std::string& file, const std::vector<std::strin
     check_together(p);
     return p;
   } catch (const dealii::ExceptionBase& e) {
+    // deal.II's text, without its line breaks; of an argument it does not know but a line of its own.
     std::ostringstream text;
     e.print_info(text);
-    std::string line = text.str();
-    for (char& c : line) c = c == '\n' ? ' ' : c;
-    throw Error((file.empty() ? std::string() : file + ": ") + line);
+    std::istringstream words(text.str());
+    std::string line, word;
+    while (words >> word) line += (line.empty() ? "" : " ") + word;
+    const std::size_t of_argument = line.find("of file <input string>: ");
+    if (of_argument != std::string::npos) line = now + ": " + line.substr(of_argument + 24);
+    throw Error(line);
   }
 }
 

@@ -34,7 +34,8 @@ namespace {
 
 class TrilinosSystem : public LinearSystem {
  public:
-  explicit TrilinosSystem(const Unknowns& unknowns) : unknowns_(unknowns) {
+  explicit TrilinosSystem(const Unknowns& unknowns)
+      : unknowns_(unknowns), partitioner_(unknowns.owned, unknowns.relevant, unknowns.comm) {
     TrilinosWrappers::SparsityPattern pattern(unknowns.owned, unknowns.owned, unknowns.relevant,
                                               unknowns.comm);
     DoFTools::make_sparsity_pattern(unknowns.dofs, pattern, AffineConstraints<double>(), true,
@@ -57,10 +58,8 @@ class TrilinosSystem : public LinearSystem {
       for (std::size_t i = 0; i < 3; ++i) {
         double* row = values_ + row_start_[nodes[a] + i];
         const double* from = K + (3 * a + i) * 3 * n;
-        for (std::size_t b = 0; b < n; ++b) {
-          double* to = row + place_[first + n * a + b];
-          for (std::size_t j = 0; j < 3; ++j) to[j] += from[3 * b + j];
-        }
+        const std::uint16_t* place = place_.data() + first + 3 * n * a;
+        for (std::size_t b = 0; b < 3 * n; ++b) row[place[b]] += from[b];
       }
     }
   }
@@ -112,35 +111,31 @@ class TrilinosSystem : public LinearSystem {
   }
 
  private:
-  /// Where in the matrix's rows the 3 x 3 blocks of the cells go, so that nothing is searched for later.
+  /// Where in the matrix's rows the entries of the cells go, so that nothing is searched for later. The three
+  /// rows of a node have the same columns.
   void find_places() {
     const Epetra_CrsMatrix& m = matrix_.trilinos_matrix();
     int *start, *columns;
     AssertThrow(m.ExtractCrsDataPointers(start, columns, values_) == 0, ExcInternalError());
     row_start_ = start;
     n_owned_ = unknowns_.owned.n_elements();
-    const Utilities::MPI::Partitioner partitioner(unknowns_.owned, unknowns_.relevant, unknowns_.comm);
     for (const std::vector<unsigned>& nodes : unknowns_.cell_nodes) {
       first_place_.push_back(place_.size());
-      for (unsigned a : nodes) {
-        for (unsigned b : nodes) {
-          if (a >= n_owned_) {
-            place_.push_back(0);
-            continue;
-          }
-          const int column = m.LCID(static_cast<int>(partitioner.local_to_global(b)));
-          const int place =
-              static_cast<int>(std::lower_bound(columns + start[a], columns + start[a + 1], column) -
-                               columns) -
-              start[a];
-          for (int i = 0; i < 3;
-               ++i) {  // the three rows and the three columns of a node are alike and adjacent
-            for (int j = 0; j < 3; ++j) {
-              AssertThrow(columns[start[a + static_cast<unsigned>(i)] + place + j] == column + j,
-                          ExcInternalError());
+      for (const unsigned a : nodes) {
+        for (const unsigned b : nodes) {
+          for (unsigned j = 0; j < 3; ++j) {
+            if (a >= n_owned_) {
+              place_.push_back(0);
+              continue;
             }
+            const int column = m.LCID(static_cast<int>(partitioner_.local_to_global(b + j)));
+            const auto place =
+                std::lower_bound(columns + start[a], columns + start[a + 1], column) - columns - start[a];
+            for (unsigned i = 0; i < 3; ++i) {
+              AssertThrow(columns[start[a + i] + place] == column, ExcInternalError());
+            }
+            place_.push_back(static_cast<std::uint16_t>(place));
           }
-          place_.push_back(static_cast<std::uint16_t>(place));
         }
       }
     }
@@ -148,10 +143,9 @@ class TrilinosSystem : public LinearSystem {
 
   void add_to_other_rank(const std::vector<unsigned>& nodes, std::size_t a, const double* K) {
     const std::size_t n = 3 * nodes.size();
-    const Utilities::MPI::Partitioner& p = partitioner();
     std::vector<types::global_dof_index> columns;
     for (unsigned b : nodes) {
-      for (unsigned j = 0; j < 3; ++j) columns.push_back(p.local_to_global(b + j));
+      for (unsigned j = 0; j < 3; ++j) columns.push_back(partitioner_.local_to_global(b + j));
     }
     for (std::size_t i = 0; i < 3; ++i) {
       matrix_.add(columns[3 * a + i], static_cast<unsigned>(n), columns.data(), K + (3 * a + i) * n, false,
@@ -159,19 +153,11 @@ class TrilinosSystem : public LinearSystem {
     }
   }
 
-  const Utilities::MPI::Partitioner& partitioner() {
-    if (!partitioner_) {
-      partitioner_ =
-          std::make_unique<Utilities::MPI::Partitioner>(unknowns_.owned, unknowns_.relevant, unknowns_.comm);
-    }
-    return *partitioner_;
-  }
-
   const Unknowns& unknowns_;
+  const Utilities::MPI::Partitioner partitioner_;  // made by all ranks together
   TrilinosWrappers::SparseMatrix matrix_;
   TrilinosWrappers::PreconditionAMG amg_;
   std::unique_ptr<Epetra_MultiVector> modes_;
-  std::unique_ptr<Utilities::MPI::Partitioner> partitioner_;
   std::size_t n_owned_ = 0;
   double* values_ = nullptr;
   const int* row_start_ = nullptr;
