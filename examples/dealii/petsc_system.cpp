@@ -56,6 +56,7 @@ class PetscSystem : public LinearSystem {
     petsc(PCSetType(pc, PCGAMG));
     petsc(PetscOptionsSetValue(nullptr, "-mg_levels_ksp_max_it", "3"));
     petsc(PetscOptionsSetValue(nullptr, "-pc_gamg_threshold", "0"));
+    petsc(PetscOptionsSetValue(nullptr, "-pc_gamg_coarse_eq_limit", "1000"));
     petsc(KSPSetFromOptions(ksp_));
   }
 

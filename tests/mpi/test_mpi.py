@@ -1,7 +1,6 @@
 """The MPI example: test_mpi.py SOURCE MUSCLE C_LIBRARY [unittest arguments]; every class is a ctest."""
 import csv
 import ctypes
-import math
 import os
 import pathlib
 import signal
@@ -136,16 +135,14 @@ class Restart(Case):
 class Newton(Case):
     def test_is_quadratic(self):
         for name, more in (("pointwise", {}), ("mean", {"Muscle/Volume": "mean dilatation", "Muscle/c1": 400})):
-            self.run_muscle(2, name, {**BRICK, "Fibre/Kind": "oblique", "Fibre/Angle": 30, "Time/Steps": "fixed", "Time/Step": 0.25,
-                                      "Time/End": 1, "Solver/Newton tolerance": 1e-12, "Solver/Krylov tolerance": 1e-12, **more})
-            orders = []
-            for norms in self.checks(name):
-                # The last three norms above rounding.
-                a, b, c = [r for r in norms[1:] if r > 1e-11][-3:]
-                orders.append(math.log(c / b) / math.log(b / a))
-            self.assertEqual(len(orders), 4)
-            self.assertGreater(min(orders), 1.8, orders)
-            self.assertLess(max(map(len, self.checks(name))), 8)
+            self.run_muscle(1, name, {**BRICK, "Fibre/Kind": "oblique", "Fibre/Angle": 30, "Ends/Pull": 8, "Time/Steps": "fixed",
+                                      "Time/Step": 0.5, "Time/End": 1, "Solver/Newton tolerance": 1e-12, "Solver/Krylov tolerance": 1e-12, **more})
+            steps = self.checks(name)
+            self.assertEqual(len(steps), 2)
+            near = [(a, b) for norms in steps for a, b in zip(norms[1:], norms[2:]) if a < 0.05]
+            self.assertGreaterEqual(len(near), 4)
+            for a, b in near:
+                self.assertLess(b, max(10 * a * a, 1e-12), steps)
 
 
 class Homogeneous(Case):
@@ -159,7 +156,7 @@ class Homogeneous(Case):
         library.myogrowth_update.argtypes = [doubles, ctypes.c_int, doubles, doubles, doubles, ctypes.c_int, ctypes.c_double,
                                              ctypes.c_int, doubles, doubles, doubles, ctypes.c_char_p, ctypes.c_int]
         for integration, kind in ((0, "backward Euler"), (1, "second order")):
-            self.run_muscle(2, "brick", {**entries, "Muscle/Integration": kind})
+            self.run_muscle(1, "brick", {**entries, "Muscle/Integration": kind})
             columns = self.columns("brick")
             props = (ctypes.c_double * 12)(16, 4, 0.5, 2, 1.1, 1.01, 0, 0, 1, 0, 0, integration)
             state, start = [0.0] * 9, 0.0
@@ -194,7 +191,7 @@ class CalculiX(Case):
         # ./run cylinder --out out/coarse --duration 7; the rows to day 1 of out/coarse/history.csv
         reference = history.read(SOURCE / "tests" / "mpi" / "calculix_coarse.csv")
         times = ", ".join(f"{t:.7g}" for t in reference["time"])
-        self.run_muscle(2, "coarse", {**self.mesh("coarse"), "Time/Steps": "listed", "Time/Times": times})
+        self.run_muscle(1, "coarse", {**self.mesh("coarse"), "Time/Steps": "listed", "Time/Times": times})
         ours = self.columns("coarse")
         for column, tolerance in (("reaction", 5e-5), ("lambda_e_max", 1e-5), ("lambda_e_mean", 1e-5), ("lambda_e_min", 1e-5),
                                   ("G_max", 1e-5), ("G_mean", 1e-5), ("G_min", 1e-5), ("time", 1e-6)):
@@ -204,37 +201,34 @@ class CalculiX(Case):
 
 class Locking(Case):
     def reaction(self, name, cells, volume):
-        self.run_muscle(2, name, {**BRICK, "Geometry/Length": 10, "Geometry/Cells": cells, "Ends/Pull": 1, "Muscle/c1": 40000,
+        self.run_muscle(1, name, {**BRICK, "Geometry/Length": 10, "Geometry/Cells": cells, "Ends/Pull": 1, "Muscle/c1": 4000,
                                   "Muscle/lambda_crit": 100, "Muscle/Volume": volume, "Time/Steps": "fixed", "Time/Step": 1,
                                   "Time/End": 1})
         return self.columns(name)["reaction"][-1]
 
     def test_mean_dilatation_does_not_lock(self):
-        # A clamped, nearly incompressible cube that is stretched by a tenth.
-        fine = self.reaction("fine", "8, 8, 8", "mean dilatation")
-        mean = self.reaction("mean", "4, 4, 4", "mean dilatation") / fine
-        pointwise = self.reaction("pointwise", "4, 4, 4", "pointwise") / fine
-        print(f"reaction over that of 8 x 8 x 8 cells: {mean:.3f}, pointwise {pointwise:.3f}")
-        self.assertLess(abs(mean - 1), 0.05)
-        self.assertGreater(pointwise, 1.5)
+        # A clamped, nearly incompressible cube that is stretched by a tenth: 139.2 and 137.4 mN; pointwise 2274 mN.
+        coarse, fine = (self.reaction(f"mean{n}", f"{n}, {n}, {n}", "mean dilatation") for n in (4, 6))
+        self.assertLess(abs(coarse / fine - 1), 0.02)
+        self.assertGreater(self.reaction("pointwise", "4, 4, 4", "pointwise"), 10 * fine)
 
 
 class Cuts(Case):
     def test_a_step_that_turns_a_cell_inside_out_is_halved(self):
-        text = self.run_muscle(2, "crushed", {**BRICK, "Ends/Pull": -24, "Time/Steps": "fixed", "Time/Step": 1, "Time/End": 1})
+        text = self.run_muscle(2, "crushed", {**BRICK, "Ends/Pull": -34, "Time/Steps": "fixed", "Time/Step": 1, "Time/End": 1})
         self.assertRegex(text, r"is halved: det F <= 0 in hexahedron .*, point \d at \(.*\), G = 1, F = \[")
         self.assertEqual(self.columns("crushed")["time"][-1], 1)
         self.assertEqual(text.count("det F"), text.count("is halved: det F"))
 
     def test_steps_are_as_long_as_the_time_error_allows(self):
-        for tolerance in (1e-3, 1e-5):
+        for tolerance in (1e-3, 1e-6):
             self.run_muscle(1, f"{tolerance}", {**BRICK, "Time/Tolerance": tolerance, "Time/Ramp": 0.5, "Time/End": 10})
-        coarse, fine = self.columns("0.001"), self.columns("1e-05")
+        coarse, fine = self.columns("0.001"), self.columns("1e-06")
         self.assertGreater(len(fine["time"]), 1.5 * len(coarse["time"]))
         self.assertLess(abs(coarse["G_mean"][-1] - fine["G_mean"][-1]), 1e-3)
 
     def test_gives_up_where_no_step_is_short_enough(self):
-        text = self.run_muscle(2, "impossible", {**BRICK, "Solver/Newton iterations": 1, "Time/Steps": "fixed", "Time/Step": 1e-7,
+        text = self.run_muscle(1, "impossible", {**BRICK, "Solver/Newton iterations": 1, "Time/Steps": "fixed", "Time/Step": 1e-7,
                                                  "Solver/Newton tolerance": 1e-14}, status=1)
         self.assertIn("no step is short enough", text)
 
@@ -251,8 +245,8 @@ class Fields(Case):
         for piece in pieces:
             tree = parse(self.folder / "fields" / piece.get("Source"))
             cells += sum(int(p.get("NumberOfCells")) for p in tree.findall(".//Piece"))
-            names = [a.get("Name") for a in tree.findall(".//CellData/DataArray")]
-            self.assertEqual(names, ["G", "lambda_e", "lambda", "J", "Je", "n0_x", "n0_y", "n0_z", "tendon"])
+            names = {a.get("Name") for a in tree.findall(".//PointData/DataArray")}  # deal.II's way of writing cells' values
+            self.assertEqual(names, {"displacement", "G", "lambda_e", "lambda", "J", "Je", "n0_x", "n0_y", "n0_z", "tendon"})
         mesh = cylinder_mesh.mesh("tiny")
         self.assertEqual(cells, len(mesh.hexes) + len(mesh.wedges))
 
