@@ -4,6 +4,7 @@ mesh(size) gives C3D8 and C3D6 in layers along z. `paper` has as many of each as
 14,931 = 79 x 189. The paper does not show its disc; this one has a node in the centre and rings around it.
 """
 import math
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -141,3 +142,18 @@ def sweep(size, levels):
     nodes = np.column_stack([np.tile(np.array(points), (layers + 1, 1)), np.repeat(levels, disc)])
     return Mesh(nodes, swept(quads, layers, disc), swept(tris, layers, disc), np.arange(disc),
                 np.arange(disc) + layers * disc, levels)
+
+
+def write_text(path, m):
+    """The mesh as plain text, for programs that read no deck (examples/dealii): nodes, then hexahedra and wedges by their
+    nodes, counted from 0."""
+    with open(path, "w", encoding="ascii") as f:
+        for name, rows, form in (("nodes", m.nodes, "%.17g"), ("hexes", m.hexes, "%d"), ("wedges", m.wedges, "%d")):
+            f.write(f"{name} {len(rows)}\n")
+            np.savetxt(f, rows, fmt=form)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3 or sys.argv[1] not in SIZES:
+        sys.exit(f"usage: cylinder_mesh.py {'|'.join(SIZES)} FILE")
+    write_text(sys.argv[2], mesh(sys.argv[1]))

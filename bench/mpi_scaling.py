@@ -1,0 +1,86 @@
+"""What the MPI example costs: mpi_scaling.py MUSCLE [PART=loops,krylov,ranks,weak]; Markdown tables on the screen.
+
+CPU seconds are a rank's (mean), which a busy machine falsifies less than the clock. `loops` runs the two loops in turn.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+# Layers of the coarsest mesh, refinements. Those of 16 layers have cells of one shape.
+SIZES = {640: (16, 1), 5120: (16, 2), 40960: (16, 3), 10240: (32, 2), 51200: (20, 3)}
+# The prototype's problem: backward Euler, six steps; linear systems solved to 1e-8 and a new preconditioner every step.
+BASE = {"Muscle/Integration": "backward Euler", "Time/Steps": "fixed", "Time/Step": 0.1, "Time/Ramp": 0.6, "Time/End": 0.6,
+        "Ends/Pull": 24, "Output/Times": "", "Output/Checkpoint every": 0}
+AS_PROTOTYPE = {"Solver/Set up": "every step", "Solver/Krylov tolerance": 1e-8}
+STAGES = ["law", "element", "insertion", "set_up", "krylov"]
+
+
+def run(muscle, ranks, elements, entries):
+    """The run's summary.json."""
+    with tempfile.TemporaryDirectory() as folder:
+        layers, refinements = SIZES[elements]
+        entries = {**BASE, "Geometry/Layers": layers, "Geometry/Refinements": refinements, "Output/Folder": folder, **entries}
+        command = ["mpirun", "-q", "-n", str(ranks), muscle, *(f"{entry}={value}" for entry, value in entries.items())]
+        print(f"... {elements} elements, {ranks} ranks, {entries.get('Solver/Assembly', 'compact')}", file=sys.stderr, flush=True)
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        return json.loads(pathlib.Path(folder, "summary.json").read_text())
+
+
+def row(name, s):
+    cpu = s["cpu"]
+    total = sum(cpu[stage] for stage in STAGES)
+    stages = " | ".join(f"{cpu[stage]:.2f}" for stage in STAGES)
+    print(f"| {name} | {stages} | **{total:.2f}** | {s['newton']} | {s['iterations'] / s['solves']:.1f} | {s['seconds']:.1f} | "
+          f"{s['megabytes']:.0f} |", flush=True)
+    return total
+
+
+def head(title):
+    print(f"\n{title}\n\n| | {' | '.join(STAGES)} | CPU a rank | Newton | GMRES a solve | wall | MB a rank |\n|{'---|' * 11}", flush=True)
+
+
+def loops(muscle):
+    for elements, repetitions in ((5120, 3), (51200, 1)):
+        head(f"{elements} elements, 6 steps, one rank, CPU s: the loop one would write first, ours, and ours as it is by default")
+        ratios = []
+        for _ in range(repetitions):
+            dense = row("dense", run(muscle, 1, elements, {**AS_PROTOTYPE, "Solver/Assembly": "dense"}))
+            compact = row("compact", run(muscle, 1, elements, AS_PROTOTYPE))
+            default = row("compact, defaults", run(muscle, 1, elements, {}))
+            ratios.append((dense / compact, dense / default))
+        print("\nratios:", ", ".join(f"{a:.2f} and {b:.2f}" for a, b in ratios))
+
+
+def krylov(muscle):
+    head("GMRES iterations to 1e-8 over a 64-fold range of sizes, cells of one shape, the first step, one rank")
+    for elements in (640, 5120, 40960):
+        row(f"{elements}", run(muscle, 1, elements, {**AS_PROTOTYPE, "Time/End": 0.1, "Time/Ramp": 0.1, "Ends/Pull": 4}))
+
+
+def ranks(muscle):
+    head("51,200 elements, 6 steps")
+    for n in (1, 2):
+        row(f"{n} ranks", run(muscle, n, 51200, {}))
+
+
+def weak(muscle):
+    head("5,120 elements a rank, 6 steps: a muscle of 400 mm, and one of 800 mm on two ranks")
+    row("1 rank", run(muscle, 1, 5120, {}))
+    row("2 ranks", run(muscle, 2, 10240, {"Geometry/Length": 800, "Ends/Pull": 48}))
+
+
+def main():
+    parts = {"loops": loops, "krylov": krylov, "ranks": ranks, "weak": weak}
+    chosen = list(parts)
+    for argument in sys.argv[2:]:
+        if not argument.startswith("PART=") or not set(argument[5:].split(",")) <= set(parts):
+            sys.exit(f"mpi_scaling.py: {argument}: must be PART= and some of {','.join(parts)}")
+        chosen = argument[5:].split(",")
+    for part in chosen:
+        parts[part](sys.argv[1])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,120 @@
+/// @file
+/// The muscle on a distributed mesh: quasi-static steps in which it is pulled and grows.
+#ifndef MYOGROWTH_DEALII_MUSCLE_HPP
+#define MYOGROWTH_DEALII_MUSCLE_HPP
+
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/hp/fe_collection.h>
+#include <deal.II/hp/mapping_collection.h>
+#include <deal.II/lac/affine_constraints.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "linear_system.hpp"
+#include "mesh.hpp"
+#include "parameters.hpp"
+
+namespace muscle {
+
+/// CPU seconds by what they were spent on, and counts, of this rank.
+struct Costs {
+  double law = 0, element = 0, insertion = 0, set_up = 0, krylov = 0, output = 0;
+  int steps = 0, cuts = 0, newton = 0, checks = 0, solves = 0, iterations = 0, set_ups = 0;
+};
+
+class Muscle {
+ public:
+  Muscle(const Parameters& parameters, MPI_Comm comm);
+
+  /// Goes on to the end, or until `asked_to_end` is set on any rank; then there is a checkpoint. False: it
+  /// was asked to.
+  bool run(const volatile int& asked_to_end);
+
+ private:
+  /// Cells of one shape and one material, which follow one another in all arrays.
+  struct Group {
+    Shape shape;
+    bool tendon;
+    std::size_t first_cell, n, first_point;
+  };
+  struct Attempt {
+    bool converged = false;
+    std::string why;  ///< not, in words for the user
+  };
+
+  // muscle.cpp: set-up
+  void distribute();
+  void sort_cells();
+  void find_supports();
+  void start_points();
+
+  // muscle.cpp: a step
+  Attempt step(double dt);
+  std::string assemble(double dt, bool tangent);
+  std::string assemble_compact(double dt, bool tangent);
+  std::string assemble_dense(double dt);
+  void take_supports(const Group& group, std::size_t cell, double* K);
+  void prepare_supports(double time);
+  void solve(double target);
+  std::string failure_of_any(const std::string& mine) const;
+  std::string describe(const Group& group, const Failure& failure, double dt) const;
+  double time_error(double dt) const;
+  void commit(double dt);
+  double pull_at(double time) const;
+  double next_stop() const;
+
+  // results.cpp
+  void write_history();
+  void log_newton(int iteration, double residual, int krylov);
+  void write_fields();
+  void write_collection() const;
+  void keep_rows_until_now(const std::string& name, const std::string& header) const;
+  void write_checkpoint();
+  void read_checkpoint();
+  void write_summary(double seconds) const;
+  void tell_progress(double seconds) const;
+  void say(const std::string& line) const;
+
+  const myogrowth::FibreGrowth<>& material(const Group& group) const {
+    return group.tendon ? tendon_ : parameters_.muscle;
+  }
+
+  const Parameters parameters_;
+  MPI_Comm comm_;
+  unsigned rank_;
+  myogrowth::FibreGrowth<> tendon_;
+  std::unique_ptr<Mesh> mesh_;
+  dealii::hp::FECollection<3> elements_;  // wedge, hex: in this order deal.II 9.4 joins their nodes
+  dealii::hp::MappingCollection<3> mappings_;
+  dealii::DoFHandler<3> dofs_;
+  std::unique_ptr<Unknowns> unknowns_;
+  std::unique_ptr<LinearSystem> system_;
+
+  std::vector<Group> groups_;
+  std::vector<dealii::DoFHandler<3>::active_cell_iterator> cells_;  // owned, in the order of the groups
+  std::vector<std::size_t> first_node_, first_point_;  // of every cell, in X_ / 3 and in the points
+  std::vector<double> X_, places_, volumes_, n0_, G_n_, lambda_n_;  // corners; points
+  std::vector<double> G_, lambda_e_, lambda_, J_, Je_;  // points, at the end of the step that is tried
+  double bottom_ = 0, top_ = 0;                         // z of the ends
+
+  enum Support : unsigned char { none, held, pulled };
+  std::vector<Support> support_;      // local unknowns
+  std::vector<char> cell_supported_;  // whether a cell has one
+  std::vector<double> support_step_;  // local unknowns: what is left to go, nil where not supported
+  dealii::AffineConstraints<double> constraints_;  // the same for the dense loop
+
+  Vector u_, u_n_, residual_, rhs_, x_;
+  double free_norm_ = 0, support_norm_ = 0, reaction_ = 0, force_floor_ = 0;
+  double time_ = 0, dt_ = 0;
+  int fresh_iterations_ = -1;  // of the first solve after the last set-up; -1: set up before the next
+  int last_iterations_ = 0;
+  std::vector<std::pair<double, std::string>> written_;  // times and files of fields
+  Costs costs_;
+};
+
+}  // namespace muscle
+
+#endif

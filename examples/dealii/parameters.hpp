@@ -1,0 +1,74 @@
+/// @file
+/// What the parameter file says; `muscle --help` prints every entry with its meaning and its default.
+#ifndef MYOGROWTH_DEALII_PARAMETERS_HPP
+#define MYOGROWTH_DEALII_PARAMETERS_HPP
+
+#include <myogrowth/kernel.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "element.hpp"
+
+namespace muscle {
+
+/// What ends the job, in words for the user. Thrown on all ranks alike, or on none.
+struct Error : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct Parameters {
+  struct Geometry {
+    std::string kind;        ///< cylinder, brick or file
+    double length, radius;   ///< [length]
+    double width, height;    ///< of the brick [length]
+    int layers;              ///< of the cylinder's coarsest mesh
+    int refinements;         ///< of the cylinder
+    std::vector<int> cells;  ///< of the brick, along x, y and z
+    std::string file;
+  } geometry;
+
+  myogrowth::FibreGrowth<> muscle;
+  Volume volume;
+  double tendon_length, tendon_stiffness;  ///< [length], [-]
+
+  struct Fibre {
+    std::string kind;               ///< uniform, oblique, pennate, function or file
+    std::vector<double> direction;  ///< uniform
+    double angle;                   ///< oblique and pennate [rad]
+    std::string function;           ///< three expressions in x, y, z
+    std::string file;
+  } fibre;
+
+  std::string ends;  ///< clamped, free or mixed
+  double pull;       ///< displacement of the distal end [length]
+
+  double ramp, end;           ///< [time]
+  std::string steps;          ///< adaptive, fixed or listed
+  double step, longest_step;  ///< [time]
+  double time_tolerance;      ///< of G in a step [-]
+  std::vector<double> times;  ///< ends of the steps, if listed
+
+  double newton_tolerance;  ///< of the forces out of balance, over the reactions [-]
+  int newton_iterations;
+  std::string solver;       ///< ML or GAMG
+  double krylov_tolerance;  ///< of a linear solve, over its right side [-]
+  bool set_up_every_step;   ///< of the preconditioner; else when it has become slow
+  bool dense;               ///< the loop that one would write first, to compare with
+
+  std::string folder;
+  std::vector<double> output_times;
+  int checkpoint_every;  ///< steps; 0: only when asked to end
+  bool resume;
+};
+
+/// Reads a file and "Section/Entry=value" arguments. Throws Error that names the entry, its value and what is
+/// allowed.
+Parameters read_parameters(const std::string& file, const std::vector<std::string>& overrides);
+
+/// All entries with their defaults and meanings, as a parameter file.
+std::string parameters_help();
+
+}  // namespace muscle
+
+#endif
