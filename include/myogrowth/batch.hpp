@@ -212,6 +212,7 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   const auto moves = grows & (room > zero) & (slope > zero);
   G_end = select(grows, select(room > zero, G, limit), G_n);
   dG_dlambda = select(moves, k * room / select(moves, slope, one), zero);
+  dG_dlambda = select(dG_dlambda * crit > one, P(common.per_crit), dG_dlambda);
 }
 
 /// Apart, so that it does not weigh on the packs' code.

@@ -299,7 +299,10 @@ MYOGROWTH_FUNCTION GrowthStep<T> solve(const GrowthEquation<P, sign>& lifted, co
   const T G_end = with_derivatives(lifted, G_n, lambda, G, std::is_same<T, V>());
   const T k = lifted.k(G_end);
   const T slope = lifted.room_times_slope(G_end, G_n, k);
-  return {G_end, value(slope) > 0 ? T(k * lifted.room(G_end) / slope) : T(0), iterations};
+  T dG_dlambda = value(slope) > 0 ? T(k * lifted.room(G_end) / slope) : T(0);
+  // Its bound, where k times the room is so small that it has lost its digits.
+  if (sign > 0 && value(dG_dlambda) * eq.crit > 1) dG_dlambda = T(1 / eq.crit);
+  return {G_end, dG_dlambda, iterations};
 }
 
 }  // namespace detail

@@ -49,6 +49,15 @@ TEST(GrowthSolve, GammaZeroIsTheQuadraticAndClampsAtGMax) {
   EXPECT_EQ(solve_growth(rate, 1.0, 3.0, 10.0).G, 1.1);
 }
 
+// An ulp from G_max, where k times the room left is a subnormal number.
+TEST(GrowthSolve, TheSlopeKeepsItsBoundWhereProductsUnderflow) {
+  const GrowthRate<> rate{0.035049385583125786, 20, 1.0026536616013619, 0.54234186171403787};
+  const auto s = solve_growth(rate, 0.50005791548685197, 0.54378105348727945, 7.3520319455916534e+271);
+  EXPECT_EQ(s.G, 0.54378105348727945 / rate.lambda_crit);
+  EXPECT_GE(s.dG_dlambda, 0);
+  EXPECT_LE(s.dG_dlambda, 1 / rate.lambda_crit);
+}
+
 // The step's value and slope against bracketing in 50 digits, where it is hard: near G_max, near the
 // threshold, near lambda = lambda_crit G_max, where both limits meet, and for steps of any length.
 TEST(GrowthSolve, HardStepsAgainstFiftyDigits) {
