@@ -75,6 +75,7 @@ class TrilinosSystem : public LinearSystem {
   void set_up() override {
     TrilinosWrappers::PreconditionAMG::AdditionalData data;
     data.elliptic = true;
+    data.w_cycle = true;  // keeps the iterations from growing with the size
     data.smoother_sweeps = 3;
     data.aggregation_threshold = 0;
     Teuchos::ParameterList ml;
