@@ -80,13 +80,16 @@ std::complex<R> log1p(const std::complex<R>& z) {
 /// ln(1 + f) = 2 artanh(s), s = f/(2 + f), for 1 + f from sqrt(1/2) to sqrt(2): with z = s^2 and h = f^2/2 it
 /// is f - (h - s (h + z Q(z))). Q by Chebyshev interpolation, error 3e-16; these are its coefficients.
 struct LogarithmSeries {
+  /// @cond
   static constexpr double q6 = 0.14616585424888621989, q5 = 0.15331710618210771568,
                           q4 = 0.18182889455674946039, q3 = 0.22222211130259877029,
                           q2 = 0.28571428626003268742, q1 = 0.39999999999899443233,
                           q0 = 0.66666666666666696883;
+  /// @endcond
 };
 
 /// ln(1 + d/G) for x = d/G. For doubles by the series that packs have as well (simd.hpp).
+/// @{
 template <class T>
 MYOGROWTH_FUNCTION T ln_1_plus(const T& x, const T&, const T&) {
   return log1p(x);
@@ -99,6 +102,7 @@ MYOGROWTH_FUNCTION inline double ln_1_plus(double x, double d, double G) {
       ((Q::q0 + Q::q1 * z) + z2 * (Q::q2 + Q::q3 * z)) + z2 * z2 * ((Q::q4 + Q::q5 * z) + z2 * Q::q6);
   return x - (half_square - s * (half_square + z * sum));
 }
+/// @}
 
 /// True for ordinary numbers, false for NaN and infinity.
 template <class T>

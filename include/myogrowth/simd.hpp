@@ -337,17 +337,44 @@ bool any(Mask<V, N> mask) {
   return detail::sign_bits(mask.v[0], std::integral_constant<int, sizeof mask.v[0]>(), V()) != 0;
 }
 
+namespace detail {
+
+// Said to the compiler and not left to it: in a sum of two products it may fuse either, once so and once so.
+template <class L>
+L fused_if_it_can(const L& a, const L& b, const L& c, double) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64) return fused(a, b, c, double());
+#endif
+#if defined(__FMA__)
+  if constexpr (sizeof(L) == 32) return (L)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+  if constexpr (sizeof(L) == 16) return (L)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
+#elif defined(__aarch64__)
+  if constexpr (sizeof(L) == 16) return (L)vfmaq_f64((float64x2_t)c, (float64x2_t)a, (float64x2_t)b);
+#endif
+  return a * b + c;
+}
+template <class L>
+L fused_if_it_can(const L& a, const L& b, const L& c, float) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64) return fused(a, b, c, float());
+#endif
+#if defined(__FMA__)
+  if constexpr (sizeof(L) == 32) return (L)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+  if constexpr (sizeof(L) == 16) return (L)_mm_fmadd_ps((__m128)a, (__m128)b, (__m128)c);
+#elif defined(__aarch64__)
+  if constexpr (sizeof(L) == 16) return (L)vfmaq_f32((float32x4_t)c, (float32x4_t)a, (float32x4_t)b);
+#endif
+  return a * b + c;
+}
+
+}  // namespace detail
+
 /// a b + c, in one rounding where the target has that.
 template <class V, int N>
 Pack<V, N> multiply_add(const Pack<V, N>& a, const Pack<V, N>& b, const Pack<V, N>& c) {
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-  if constexpr (sizeof a.v[0] == 64) {
-    Pack<V, N> d;
-    for (int k = 0; k < d.parts; ++k) d.v[k] = detail::fused(a.v[k], b.v[k], c.v[k], V());
-    return d;
-  }
-#endif
-  return a * b + c;
+  Pack<V, N> d;
+  for (int k = 0; k < d.parts; ++k) d.v[k] = detail::fused_if_it_can(a.v[k], b.v[k], c.v[k], V());
+  return d;
 }
 
 /// a/b in one register, correctly rounded up to an ulp. AVX-512's division takes as long as thirty
@@ -557,7 +584,8 @@ template <class V, int N>
 Pack<V, N> ln_1_plus(const Pack<V, N>& x, const Pack<V, N>& d, const Pack<V, N>& G) {
   using P = Pack<V, N>;
   const P s = d / (G + G + d), z = s * s, half_square = P(V(0.5)) * x * x;
-  const P y = x - (half_square - s * (half_square + z * detail::logarithm_series(z)));
+  const P small = multiply_add(-s, multiply_add(z, detail::logarithm_series(z), half_square), half_square);
+  const P y = x - small;
   const auto outside = !((x > P(V(-0.29))) & (x < P(V(0.41))));
   return any(outside) ? select(outside, log1p(x), y) : y;
 }

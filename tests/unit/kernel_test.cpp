@@ -94,7 +94,7 @@ TEST(Kernel, WithoutGrowthItIsTheElasticLawBitForBit) {
         (H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(0, 0) * H(2, 2) - H(0, 2) * H(2, 0) + minor) +
         (H(0, 0) * minor - H(0, 1) * (H(1, 0) * H(2, 2) - H(1, 2) * H(2, 0)) +
          H(0, 2) * (H(1, 0) * H(2, 1) - H(1, 1) * H(2, 0)));
-    const double pressure = p.muscle.c1 * std::log1p(J_minus_1);
+    const double pressure = p.muscle.c1 * ln_1_plus(J_minus_1, J_minus_1, 1.0);
     const auto u = update(p.muscle, p.F, p.state, p.dt);
     for (int a = 0; a < 6; ++a) {
       const int i = symmetric_row(a), j = symmetric_column(a);
