@@ -23,6 +23,7 @@ class Claim(NamedTuple):
     tests: str  # a regular expression for names of ctest, whole
     prints: Optional[str] = None  # what they print; # is a number
     figure: Optional[str] = None  # how it is reported: {0} the largest of the pattern's first number, {0-} the least
+    optional: bool = False  # its tests are left out where what they need is missing
 
 
 CLAIMS = {
@@ -75,9 +76,19 @@ CLAIMS = {
         Claim("in CalculiX, global Newton", r"calculix\.Newton", " orders # to #", "orders {0-} to {1}"),
         Claim("the cylinder, half way along: λe is eq. 4's at its stretch, the force that of the stress by hand",
               r"calculix\.Coarse", "lambda_e #, force # of itself", "λe within {0}, force within {1} of itself"),
+        Claim("the same cylinder in CalculiX and on deal.II", r"mpi\.CalculiX", optional=True),
+        Claim("on deal.II with MPI 1, 2 and 3 ranks agree, also after a restart; Newton is quadratic; a brick is the library's point; "
+              "nearly incompressible muscle does not lock", r"mpi\.(Ranks|Restart|Newton|Homogeneous|Locking)", optional=True),
+        Claim("through MGIS each operator is the derivative of the step, in four hypotheses",
+              r"hosts\.Mgis\.EveryOperatorIsTheDerivativeOfTheStep"),
+        Claim("by the recipes for MOOSE, COMSOL, WARP3D and MFEM, in hosts that do as these do, the numbers are the law's",
+              r"hosts\.(Moose|Comsol|Warp3d|CodeAster|Mfem)\..*"),
     ],
     "Around it": [
         Claim("many points at once on SIMD packs agree with point by point, and a point's bits are its own", r"unit\.batch"),
+        Claim("on aarch64 (NEON, under an emulator) as well", r"neon\..*", optional=True),
+        Claim("95 % intervals of fitted parameters hold the truth, in 200 runs", r"studies\.Fit"),
+        Claim("installed or packaged, CMake, pkg-config, C and Fortran find it and get its numbers", r"install\..*"),
         Claim("a growth law through the hook is the paper's; others have the tangent of their step", r"unit\.GrowthLaw\..*"),
         Claim("the worked example of CONTRIBUTING: its tangent against differences", r"example\.cross_fibre_growth",
               "dP/dF against differences: #", "{0} of the largest entry"),
@@ -177,7 +188,7 @@ def check(build, page):
         faults.append(f"{page}: its claims are not those of {__file__}: ./run verify")
     faults += [f"{claim.text}: a figure is missing: ./run verify" for claim, row in zip(claims, rows)
                if claim.prints and not row[1]]
-    missing = [claim.tests for claim in claims if not names_of(claim, known)]
+    missing = [claim.tests for claim in claims if not claim.optional and not names_of(claim, known)]
     if missing and any(name.endswith("_NOT_BUILT") for name in known):
         print("not all tests are built here; not found:", *missing)
         sys.exit(SKIPPED)
