@@ -29,19 +29,11 @@ namespace detail {
 using namespace myogrowth::detail;
 using namespace myogrowth::simd;
 
-/// N points from point i on: packs read, p[c], and written, p[c] = x.
+/// N points from point i on, as a pack: component c is read and written.
 template <class V, int N, class View>
 struct Points {
   typename View::Place at;
   Points(const View& view, std::ptrdiff_t i) : at(view.from(i)) {}
-  Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
-  void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
-};
-template <class V, int N, class W, int components, int block>
-struct Points<V, N, Aosoa<W, components, block>> {
-  static_assert(block % N == 0, "a block must hold whole packs: choose N, or a longer block");
-  typename Aosoa<W, components, block>::Place at;
-  Points(const Aosoa<W, components, block>& view, std::ptrdiff_t i) : at(view.from(i)) {}
   Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
   void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
 };
@@ -79,7 +71,7 @@ struct Points<V, N, None> {
 /// What writes c[k] = x into a view.
 template <class V, int N, class View>
 struct Writer {
-  Points<V, N, View> points;
+  const Points<V, N, View>& points;
   struct Entry {
     const Points<V, N, View>& points;
     int c;
@@ -87,6 +79,10 @@ struct Writer {
   };
   Entry operator[](int c) const { return {points, c}; }
 };
+template <class V, int N, class View>
+Writer<V, N, View> writer(const Points<V, N, View>& points) {
+  return {points};
+}
 
 template <class View>
 constexpr bool is_streamed(const View&) {
@@ -133,88 +129,6 @@ Pack<V, N> long_step_start(const Common<V>& common, const Pack<V, N>& A, const P
   return select(start > G_n, start, G_n);
 }
 
-/// Backward Euler for the lanes that grow, gamma >= 1, as growth_solve.hpp has it. `left` are the lanes that
-/// need the scalar routine.
-template <class V, int N>
-void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N>& G_n,
-               const Pack<V, N>& lambda, const Pack<V, N>& dt, Pack<V, N>& G_end, Pack<V, N>& dG_dlambda,
-               Mask<V, N>& left) {
-  using P = Pack<V, N>;
-  const GrowthRate<V>& rate = common.material.growth;
-  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
-  const P room_n = select(grows, limit - G_n, one), per_room = one / room_n;
-  const P a = dt * P(common.per_time) * common.to_gamma(P(room_n * P(common.per_width)));
-  // (Beyond all sense, but 1/a and what it multiplies would leave the normal range.)
-  constexpr V epsilon = std::numeric_limits<V>::epsilon();
-  const auto in_range = a < P(std::numeric_limits<V>::max() * epsilon * epsilon);
-  P A = a, E = one;
-  const auto steep = a > one;
-  if (any(steep & grows)) {
-    E = select(steep, one / a, one);
-    A = select(steep, one, a);
-  }
-  P end = lambda * P(common.per_crit);
-  end = select(end < limit, end, limit);
-  // fourth_order_step, growth_solve.hpp
-  const P g1 = gamma * per_room, g2 = g1 * (g1 - per_room) * P(V(0.5)),
-          g3 = g2 * (g1 - (per_room + per_room)) * P(V(1.0 / 3));
-  const auto step_from = [&](const P& G, const P& x, const P& k) {
-    const P kq = k * (lambda - crit * G), kc = k * crit * x;
-    const P f = kq - E * G * (G - G_n);
-    const P b = (kc + E * (G + G - G_n) * x) + g1 * kq;
-    const P a2 = (E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq;
-    return std::make_pair(x * f * (b * b + a2 * f), b * b * b + f * ((a2 + a2) * b + a3 * f));
-  };
-  const auto first = step_from(G_n, one, A);
-  P G = G_n + rough_quotient(first.first, first.second);
-  const auto is_long = grows & (A * (lambda - crit * G_n) > E * G_n * (end - G_n));
-  G = select((G_n < G) & (G < end), G, G_n);
-
-  // A lane that is done stays as it is, whatever its neighbours do.
-  const P epsilon_(epsilon), gamma_plus_1(V(1) + rate.gamma);
-  auto active = grows & !is_long, by_newton = is_long;
-  for (int iteration = 0; iteration < 4 && any(active); ++iteration) {
-    const P room = limit - G, x = room * per_room;
-    const auto quotient = step_from(G, x, A * common.to_gamma(x));
-    const P step = near_quotient(quotient.first, quotient.second);  // a last one is below 1e-4 G
-    const P next = G + step, unit = next * room, s = step * (gamma_plus_1 * next + room);
-    const auto inside = active & (G_n <= next) & (next <= end);
-    G = select(inside, next, G);
-    by_newton = by_newton | (active & !inside);
-    active = inside & !(s * s * (s * step) < epsilon_ * next * (unit * unit * unit));
-  }
-  active = by_newton | active;
-  if (any(active)) {  // Newton's method, from before the root
-    P start = G_n;
-    if (any(is_long)) start = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G_n);
-    G = select(active, select(start < end, start, end), G);
-    constexpr int patience = 24;
-    for (int iteration = 0; iteration < patience && any(active); ++iteration) {
-      const P room = limit - G, x = room * per_room;
-      const P k = A * common.to_gamma(x), kq = k * (lambda - crit * G);
-      const P to_do = (kq - E * G * (G - G_n)) * x, slope = (E * (G + G - G_n) + k * crit) * x + g1 * kq;
-      const P step =
-          rough_quotient(to_do * G, slope * G + to_do);  // corrected by the next, or beyond all digits
-      const P next = G + step;
-      const auto onward = active & (next > G), inside = next < end;  // (not onward: rounding)
-      G = select(onward, select(inside, next, end), G);
-      active = onward & inside &
-               !(step * step * (gamma_plus_1 * next + room) < P(epsilon / 4) * next * next * room);
-    }
-  }
-  left = active | (grows & !in_range);
-
-  G = select(G > G_n, G, G_n);
-  G = select(G < end, G, end);
-  const P room = limit - G;
-  const P k = A * common.to_gamma(P(room * per_room));
-  const P slope = (E * (G + G - G_n) + k * crit) * room + gamma * E * G * (G - G_n);
-  const auto moves = grows & (room > zero) & (slope > zero);
-  G_end = select(grows, select(room > zero, G, limit), G_n);
-  dG_dlambda = select(moves, k * room / select(moves, slope, one), zero);
-  dG_dlambda = select(dG_dlambda * crit > one, P(common.per_crit), dG_dlambda);
-}
-
 /// Apart, so that it does not weigh on the packs' code.
 template <Tangent tangent, Measure measure, class V, class In, class Out>
 MYOGROWTH_APART Status update_apart(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
@@ -222,26 +136,153 @@ MYOGROWTH_APART Status update_apart(const FibreGrowth<V>& material, std::ptrdiff
   return update_one<tangent, measure>(material, i, in, out);
 }
 
-/// N points from point i on, as one pack. Returns a bit for every lane that has to be done by update_one
-/// instead.
-template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
-MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, const In& in, const Out& out) {
+/// What is known of a register's points between the stages of an update.
+template <class V, int N>
+struct Begun {
+  Deformation<Pack<V, N>> d;
+  Pack<V, N> G_n, dt, G, dG_dlambda, per_G, ln_Je, per_J;
+  Mask<V, N> bad;  ///< has to be done by update_one
+};
+
+/// The scaled growth number a = dt k_g(G_n) of growth_solve.hpp: (A, E) = (a, 1) for a <= 1 and (1, 1/a)
+/// beyond. Adds to `left` the lanes where a is so large that 1/a and what it multiplies leave the normal range.
+template <class V, int N>
+void growth_number(const Common<V>& common, const Pack<V, N>& room_n, const Pack<V, N>& dt, Pack<V, N>& A,
+                   Pack<V, N>& E, Mask<V, N>& left) {
   using P = Pack<V, N>;
-  const FibreGrowth<V>& material = common.material;
+  const P one(V(1));
+  A = dt * P(common.per_time) * common.to_gamma(P(room_n * P(common.per_width)));
+  E = one;
+  const auto steep = A > one;
+  if (any(steep)) {
+    constexpr V epsilon = std::numeric_limits<V>::epsilon();
+    left = left | !(A < P(std::numeric_limits<V>::max() * epsilon * epsilon));
+    E = select(steep, one / A, one);
+    A = select(steep, one, A);
+  }
+}
+
+/// Newton's method from before the root for the lanes `active` of `begun`, as growth_solve.hpp has it. Returns
+/// those that it cannot take in its stride. Apart, for the few packs that need it.
+template <int N, class V, int width>
+MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> active, Begun<V, width>* begun) {
+  using P = Pack<V, N>;
+  const GrowthRate<V>& rate = common.material.growth;
+  const P one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
+  P lambda, G_n, dt, G, A, E;
+  for (int k = 0; k < P::parts; ++k) {
+    lambda.v[k] = begun[k].d.lambda.v[0];
+    G_n.v[k] = begun[k].G_n.v[0];
+    dt.v[k] = begun[k].dt.v[0];
+    G.v[k] = begun[k].G.v[0];
+  }
+  const P room_n = select(active, limit - G_n, one), per_room = one / room_n;
+  Mask<V, N> no_matter = active;
+  growth_number(common, room_n, dt, A, E, no_matter);
+  const P end = min(P(lambda * P(common.per_crit)), limit);
+  const auto is_long = active & (A * (lambda - crit * G_n) > E * G_n * (end - G_n));
+  P start = G_n;
+  if (any(is_long)) start = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G_n);
+  G = select(active, min(start, end), G);
+
+  // A lane that is done stays as it is, whatever its neighbours do.
+  constexpr V epsilon = std::numeric_limits<V>::epsilon();
+  const P g1 = gamma * per_room, gamma_plus_1(V(1) + rate.gamma);
+  constexpr int patience = 24;
+  for (int iteration = 0; iteration < patience && any(active); ++iteration) {
+    const P room = limit - G, x = room * per_room;
+    const P k = A * common.to_gamma(x), kq = k * (lambda - crit * G);
+    const P to_do = (kq - E * G * (G - G_n)) * x, slope = (E * (G + G - G_n) + k * crit) * x + g1 * kq;
+    const P step =
+        rough_quotient(to_do * G, slope * G + to_do);  // corrected by the next, or beyond all digits
+    const P next = G + step;
+    const auto onward = active & (next > G), inside = next < end;  // (not onward: rounding)
+    G = select(onward, select(inside, next, end), G);
+    active = onward & inside &
+             !(step * step * (gamma_plus_1 * next + room) < P(epsilon / 4) * next * next * room);
+  }
+  for (int k = 0; k < P::parts; ++k) begun[k].G.v[0] = G.v[k];
+  return active;
+}
+
+/// Backward Euler for the lanes that grow, gamma >= 1: G and dG/dlambda. `left` are the lanes that need the
+/// scalar routine.
+///
+/// With y = (G - G_n)/r, r = G_max - G_n, the equation of growth_solve.hpp divided by r^2 has no parameter in
+/// its derivatives but gamma:
+///
+///   E (alpha + y) y = (A/r) (1 - y)^gamma (Q - crit y),   alpha = G_n/r,  Q = (lambda - crit G_n)/r
+///
+/// Two steps of order four from y = 0 (fourth_order_step there) are mostly all it takes. They may lead astray,
+/// but there is one root alone with y < 1 and alpha + y > 0. A lane that does not grow has A = 0, and y = 0.
+template <int N, class V, int width>
+void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N>& G_n,
+               const Pack<V, N>& lambda, const Pack<V, N>& dt, Begun<V, width>* begun, Pack<V, N>& G,
+               Pack<V, N>& dG_dlambda, Mask<V, N>& left) {
+  using P = Pack<V, N>;
+  const GrowthRate<V>& rate = common.material.growth;
+  const V c = rate.gamma;
+  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), g1(c), g2(c * (c - 1) / 2),
+      g3(c * (c - 1) * (c - 2) / 6);
+  const P r = select(grows, limit - G_n, one), per_r = one / r;
+  P A, E;
+  growth_number(common, r, P(select(grows, dt, zero)), A, E, left);
+  A = A * per_r;
+  const P alpha = G_n * per_r, Q = (lambda - crit * G_n) * per_r;
+
+  P y;
+  {  // at y = 0
+    const P f = A * Q, kc = A * crit, b = (E * alpha + kc) + g1 * f;
+    const P a2 = (E - g1 * kc) - g2 * f, a3 = g2 * kc + g3 * f, b2 = b * b;
+    y = rough_quotient(f * (b2 + a2 * f), b * b2 + f * ((a2 + a2) * b + a3 * f));
+  }
+  Mask<V, N> done;
+  {
+    const P x = one - y, k = A * common.to_gamma(x), kq = k * (Q - crit * y), kc = k * crit * x;
+    const P far = alpha + y, f = kq - E * far * y, b = (E * (far + y) * x + kc) + g1 * kq;
+    const P a2 = (E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq, b2 = b * b;
+    const P step = near_quotient(x * f * (b2 + a2 * f), b * b2 + f * ((a2 + a2) * b + a3 * f));
+    y = y + step;
+    // What such a step leaves is well below C^3 step^4, C = (1 + gamma)/x + 1/(alpha + y) > 1/(alpha + y).
+    const V enough = std::sqrt(std::sqrt(std::numeric_limits<V>::epsilon()));
+    const P now = alpha + y;
+    done = abs(P(step * (P(V(1) + c) * now + x))) < P(enough) * now * x;
+    // (Else with a G_max in the thousands what is multiplied here would leave the range.)
+    if constexpr (sizeof(V) < sizeof(double)) done = done & (alpha > P(V(1e-3)));
+  }
+  P x = one - y;
+  const P end = min(P(lambda * P(common.per_crit)), limit);
+  G = max(min(P(G_n + r * y), end), G_n);
+  const auto active = grows & !done;
+  if (any(active)) {
+    for (int k = 0; k < P::parts; ++k) begun[k].G.v[0] = G.v[k];
+    left = left | newton_pack<N>(common, active, begun);
+    for (int k = 0; k < P::parts; ++k) G.v[k] = begun[k].G.v[0];
+    G = max(min(G, end), G_n);
+    y = select(active, (G - G_n) * per_r, y);
+    x = select(active, (limit - G) * per_r, x);
+  }
+
+  const P k = A * common.to_gamma(x), far = alpha + y;
+  const P slope = (E * (far + y) + k * crit) * x + g1 * (E * far * y);
+  dG_dlambda = min(k * x / slope, P(common.per_crit));
+}
+
+/// The first stage for the points from point i on: their deformation.
+template <class V, int N, class In>
+void begin(const In& in, std::ptrdiff_t i, Begun<V, N>& b) {
+  using P = Pack<V, N>;
   const Points<V, N, std::decay_t<decltype(in.F)>> F_in(in.F, i);
   const Points<V, N, std::decay_t<decltype(in.n0)>> n_in(in.n0, i);
   const Points<V, N, std::decay_t<decltype(in.G)>> G_in(in.G, i);
   const Points<V, N, std::decay_t<decltype(in.dt)>> dt_in(in.dt, i);
-  const Points<V, N, std::decay_t<decltype(out.stress)>> stress_out(out.stress, i);
-  const Points<V, N, std::decay_t<decltype(out.G)>> G_out(out.G, i);
-  const Points<V, N, std::decay_t<decltype(out.tangent)>> tangent_out(out.tangent, i);
-  const Points<V, N, std::decay_t<decltype(out.scalars)>> scalars_out(out.scalars, i);
   const P zero(V(0)), one(V(1));
   // (Not by a loop, which g++ would send through the stack, twice.)
   const P F[9] = {F_in.load(0), F_in.load(1), F_in.load(2), F_in.load(3), F_in.load(4),
                   F_in.load(5), F_in.load(6), F_in.load(7), F_in.load(8)};
   P n[3] = {n_in.load(0), n_in.load(1), n_in.load(2)};
-  const P G_n = G_in.load(0), dt = dt_in.load(0);
+  b.G_n = G_in.load(0);
+  b.dt = dt_in.load(0);
 
   // As normalise() has it; a vector so short or long that its square is out of range is left to that.
   const P square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
@@ -251,51 +292,102 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
     const P per_length = select(is_unit, one, one / sqrt(square));
     for (int c = 0; c < 3; ++c) n[c] = n[c] * per_length;
   }
-  auto bad = !((square > P(std::numeric_limits<V>::min() / std::numeric_limits<V>::epsilon())) &
-               (square < P(std::numeric_limits<V>::max())) & (G_n > zero));
+  deform(F, n, b.d);
+  b.bad = !((square > P(std::numeric_limits<V>::min() / std::numeric_limits<V>::epsilon())) &
+            (square < P(std::numeric_limits<V>::max())) & (one + b.d.J_minus_1 > zero) & (b.G_n > zero) &
+            (b.dt - b.dt == zero));
+}
 
-  Deformation<P> d;
-  deform(F, n, d);
-  PointUpdate<P> u;
-  u.J = one + d.J_minus_1;
-  u.lambda = d.lambda;
-  for (int c = 0; c < 3; ++c) u.f[c] = d.f[c];
-  bad = bad | !(u.J > zero);
-
-  const auto steps = (dt > zero) & !bad;
-  const auto grows =
-      steps & (d.lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max));
-  P G = G_n;
-  u.dG_dlambda = zero;
+/// The second stage, for as many registers as a pack has: what is a chain of operations that wait for each
+/// other, the growth, the logarithm and the reciprocals.
+template <int N, class V, int width>
+void grow(const Common<V>& common, Begun<V, width>* begun) {
+  using P = Pack<V, N>;
+  const FibreGrowth<V>& material = common.material;
+  P lambda, G_n, dt, J_minus_1;
+  Mask<V, N> bad;
+  for (int k = 0; k < P::parts; ++k) {
+    lambda.v[k] = begun[k].d.lambda.v[0];
+    G_n.v[k] = begun[k].G_n.v[0];
+    dt.v[k] = begun[k].dt.v[0];
+    bad.v[k] = begun[k].bad.v[0];
+  }
+  const P zero(V(0)), one(V(1));
+  const auto grows = (dt > zero) & (lambda > P(material.growth.lambda_crit) * G_n) &
+                     (G_n < P(material.growth.G_max)) & !bad;
+  P G = G_n, dG_dlambda = zero;
   if (material.integration != TimeIntegration::backward_euler) {
-    bad = bad | steps;  // whether it grows, and how, is a matter of lambda_n too
+    bad = bad | (dt > zero);  // whether it grows, and how, is a matter of lambda_n too
   } else if (any(grows)) {
-    auto left = grows;
-    if (material.growth.gamma >= 1) grow_pack(common, grows, G_n, d.lambda, dt, G, u.dG_dlambda, left);
-    bad = bad | left;
+    if (material.growth.gamma >= 1) {
+      grow_pack<N>(common, grows, G_n, lambda, dt, begun, G, dG_dlambda, bad);
+    } else {
+      bad = bad | grows;
+    }
   }
   if (material.removal.removal_time > 0) {
-    bad = bad | (steps & !grows & (d.lambda < P(material.removal.lambda_crit) * G_n) &
+    bad = bad | ((dt > zero) & (lambda < P(material.removal.lambda_crit) * G_n) &
                  (G_n > P(material.removal.G_min)));
   }
-  stress(material, d, G, u);
+  for (int k = 0; k < P::parts; ++k) {
+    begun[k].G.v[0] = G.v[k];
+    begun[k].dG_dlambda.v[0] = dG_dlambda.v[k];
+    begun[k].bad.v[0] = bad.v[k];
+    J_minus_1.v[k] = begun[k].d.J_minus_1.v[0];
+  }
+  const P per_J = one / (one + J_minus_1), per_G = one / G;
+  const P ln_Je = logarithm_of_Je(J_minus_1, G, per_G);
+  for (int k = 0; k < P::parts; ++k) {
+    begun[k].per_J.v[0] = per_J.v[k];
+    begun[k].per_G.v[0] = per_G.v[k];
+    begun[k].ln_Je.v[0] = ln_Je.v[k];
+  }
+}
 
-  P check = u.tau[0];
-  for (int c = 1; c < 6; ++c) check = check + u.tau[c];
+/// The last stage: stress and tangent. Returns a bit for every lane that has to be done by update_one.
+template <Tangent tangent, Measure measure, class V, int N, class In, class Out>
+unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& in, const Out& out,
+                std::ptrdiff_t i) {
+  using P = Pack<V, N>;
+  const Points<V, N, std::decay_t<decltype(out.stress)>> stress_out(out.stress, i);
+  const Points<V, N, std::decay_t<decltype(out.G)>> G_out(out.G, i);
+  const Points<V, N, std::decay_t<decltype(out.tangent)>> tangent_out(out.tangent, i);
+  const Points<V, N, std::decay_t<decltype(out.scalars)>> scalars_out(out.scalars, i);
+  const P zero(V(0)), one(V(1));
+  PointUpdate<P> u;
+  u.J = one + b.d.J_minus_1;
+  u.lambda = b.d.lambda;
+  u.dG_dlambda = b.dG_dlambda;
+  for (int c = 0; c < 3; ++c) u.f[c] = b.d.f[c];
+  stress(material, b.d, b.G, b.per_G, b.ln_Je, u);
+
+  // (What is beyond all numbers in the other components is in these.)
+  P check = u.tau[0] + u.tau[1] + u.tau[2];
   if (tangent != Tangent::none) {
-    for (int c = 0; c < 6; ++c) check = check + u.dtau_dG[c] * u.dG_dlambda;
+    check = check + (u.dtau_dG[0] + u.dtau_dG[1] + u.dtau_dG[2]) * u.dG_dlambda;
   }
   // Below, J_e - 1 may be -1 to rounding, where log1p is not made for it.
   const P least_Je(V(1e-6));
-  bad = bad | !(check - check == zero) | !(dt - dt == zero) | !(u.J > least_Je * G);
+  const auto bad = b.bad | !(check - check == zero) | !(u.J > least_Je * b.G);
 
-  G_out.store(0, select(bad, G_n, G));
+  G_out.store(0, select(bad, b.G_n, b.G));
   const P scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
   for (int c = 0; c < 5; ++c) scalars_out.store(c, scalars[c]);
-  const P factor = measure == Measure::cauchy ? one / u.J : one;
+  const P factor = measure == Measure::cauchy ? b.per_J : one;
   if constexpr (measure == Measure::cauchy) {
     for (int c = 0; c < 6; ++c) stress_out.store(c, u.tau[c] * factor);
-  } else {
+  }
+  if constexpr (tangent == Tangent::compact) {
+    const P compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0], u.G, u.J};
+    for (int c = 0; c < 7; ++c) tangent_out.store(c, compact[c]);
+  }
+  if constexpr (tangent == Tangent::full && measure == Measure::cauchy) {
+    spatial_modulus(u, writer(tangent_out), factor);
+  }
+  if constexpr (measure != Measure::cauchy) {
+    const Points<V, N, std::decay_t<decltype(in.F)>> F_in(in.F, i);
+    P F[9];
+    for (int c = 0; c < 9; ++c) F[c] = F_in.load(c);
     constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
     P host[n_stress];
     if constexpr (measure == Measure::first_piola) {
@@ -304,29 +396,43 @@ MYOGROWTH_FLAT unsigned update_pack(const Common<V>& common, std::ptrdiff_t i, c
       second_piola_from_kirchhoff(F, u.tau, host);
     }
     for (int c = 0; c < n_stress; ++c) stress_out.store(c, host[c]);
-  }
-  if constexpr (tangent == Tangent::compact) {
-    const P compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0], G, u.J};
-    for (int c = 0; c < 7; ++c) tangent_out.store(c, compact[c]);
-  }
-  if constexpr (tangent == Tangent::full && measure == Measure::cauchy) {
-    spatial_modulus(u, Writer<V, N, std::decay_t<decltype(out.tangent)>>{tangent_out}, factor);
-  }
-  if constexpr (tangent == Tangent::full && measure != Measure::cauchy) {
-    constexpr int n_moduli = measure == Measure::first_piola ? 81 : 36;
-    P c[36], moduli[n_moduli];
-    spatial_modulus(u, c, factor);
-    if constexpr (measure == Measure::first_piola) {
-      dP_dF_from_jaumann(F, u.tau, c, moduli);
-    } else {
-      dS_dE_from_jaumann(F, u.tau, c, moduli);
+    if constexpr (tangent == Tangent::full) {
+      constexpr int n_moduli = measure == Measure::first_piola ? 81 : 36;
+      P c[36], moduli[n_moduli];
+      spatial_modulus(u, c, factor);
+      if constexpr (measure == Measure::first_piola) {
+        dP_dF_from_jaumann(F, u.tau, c, moduli);
+      } else {
+        dS_dE_from_jaumann(F, u.tau, c, moduli);
+      }
+      for (int a = 0; a < n_moduli; ++a) tangent_out.store(a, moduli[a]);
     }
-    for (int k = 0; k < n_moduli; ++k) tangent_out.store(k, moduli[k]);
   }
   return bits(bad);
 }
 
-/// What a pack of fewer points than lanes reads and writes: arrays of its own, the last point repeated.
+/// How many registers go through the stages together.
+template <class V, int N>
+constexpr int registers_at_once = Pack<V, N>::parts < 8 ? 8 / Pack<V, N>::parts * Pack<V, N>::parts
+                                                        : Pack<V, N>::parts;
+
+/// So many registers of points from point i on. Gives a bit of bad[register] for every lane that has to be
+/// done by update_one instead. All go through one stage before the next: a point's operations wait for each
+/// other, and the processor has those of other points to do meanwhile; and few numbers are needed at a time,
+/// so that they stay in registers.
+template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
+MYOGROWTH_FLAT void update_registers(const Common<V>& common, std::ptrdiff_t i, int registers, const In& in,
+                                     const Out& out, unsigned* bad) {
+  constexpr int width = Pack<V, N>::width, parts = Pack<V, N>::parts;
+  Begun<V, width> begun[registers_at_once<V, N>];
+  for (int k = 0; k < registers; ++k) begin(in, i + k * width, begun[k]);
+  for (int k = registers; k % parts != 0; ++k) begun[k] = begun[0];  // to fill a pack
+  for (int k = 0; k < registers; k += parts) grow<N>(common, begun + k);
+  for (int k = 0; k < registers; ++k)
+    bad[k] = finish<tangent, measure>(common.material, begun[k], in, out, i + k * width);
+}
+
+/// What a register of fewer points than lanes reads and writes: arrays of its own, the last point repeated.
 template <class V, int N, int components>
 struct Padded {
   V data[N * components];
@@ -355,22 +461,24 @@ constexpr int n_tangent = tangent == Tangent::compact       ? 7
 template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
 MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i, int points, const In& in,
                                        const Out& out) {
-  Padded<V, N, 9> F;
-  Padded<V, N, 3> n0;
-  Padded<V, N, 1> G, dt, lambda, G_end;
+  constexpr int width = Pack<V, N>::width;
+  Padded<V, width, 9> F;
+  Padded<V, width, 3> n0;
+  Padded<V, width, 1> G, dt, lambda, G_end;
   F.fill(in.F, i, points);
   n0.fill(in.n0, i, points);
   G.fill(in.G, i, points);
   dt.fill(in.dt, i, points);
   lambda.fill(in.lambda, i, points);
-  Padded<V, N, measure == Measure::first_piola ? 9 : 6> stress;
-  Padded<V, N, n_tangent<tangent, measure>> moduli;
-  Padded<V, N, 5> scalars;
+  Padded<V, width, measure == Measure::first_piola ? 9 : 6> stress;
+  Padded<V, width, n_tangent<tangent, measure>> moduli;
+  Padded<V, width, 5> scalars;
   const Input<Soa<V>, Soa<V>, Soa<V>, Soa<V>, Soa<V>> padded_in{F.view(), n0.view(), G.view(), dt.view(),
                                                                 lambda.view()};
   const Output<Soa<V>, Soa<V>, Soa<V>, Soa<V>> padded_out{stress.view(), G_end.view(), moduli.view(),
                                                           scalars.view()};
-  const unsigned bad = update_pack<tangent, measure, N>(common, 0, padded_in, padded_out);
+  unsigned bad;
+  update_registers<tangent, measure, N>(common, 0, 1, padded_in, padded_out, &bad);
   stress.give(out.stress, i, points);
   G_end.give(out.G, i, points);
   if constexpr (tangent != Tangent::none) moduli.give(out.tangent, i, points);
@@ -379,19 +487,29 @@ MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i
 }
 
 /// The points [first, last), of one material.
-template <Tangent tangent, Measure measure, int lanes, class V, class In, class Out>
+template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
 std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first, std::ptrdiff_t last,
                             const In& in, const Out& out) {
+  constexpr std::ptrdiff_t width = Pack<V, N>::width, most = registers_at_once<V, N>;
   const Common<V> common(material);
   std::ptrdiff_t failed = 0;
   for (std::ptrdiff_t i = first, next; i < last; i = next) {
-    next = (i / lanes + 1) * lanes;  // whole packs lie within a block
-    if (next > last) next = last;
-    unsigned bad = next - i == lanes ? update_pack<tangent, measure, lanes>(common, i, in, out)
-                                     : update_padded<tangent, measure, lanes>(
-                                           common, i, static_cast<int>(next - i), in, out);
-    for (int lane = 0; bad != 0; ++lane, bad >>= 1) {
-      if (bad & 1) failed += update_one<tangent, measure>(material, i + lane, in, out) != Status::ok;
+    unsigned bad[most];
+    const std::ptrdiff_t whole = i % width == 0 ? (last - i) / width : 0;  // a register lies within a block
+    const int registers = static_cast<int>(whole < most ? whole : most);
+    if (registers > 0) {
+      next = i + registers * width;
+      update_registers<tangent, measure, N>(common, i, registers, in, out, bad);
+    } else {
+      next = (i / width + 1) * width;
+      if (next > last) next = last;
+      bad[0] = update_padded<tangent, measure, N>(common, i, static_cast<int>(next - i), in, out);
+    }
+    for (std::ptrdiff_t start = i; start < next; start += width) {
+      unsigned lanes = bad[(start - i) / width];
+      for (std::ptrdiff_t point = start; lanes != 0; ++point, lanes >>= 1) {
+        if (lanes & 1) failed += update_apart<tangent, measure>(material, point, in, out) != Status::ok;
+      }
     }
   }
   if (is_streamed(out.stress) || is_streamed(out.G) || is_streamed(out.tangent)) fence();
@@ -406,7 +524,7 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
-  constexpr int lanes = N > 0 ? N : 2 * simd::native_lanes<V>;
+  constexpr int lanes = N > 0 ? N : 4 * simd::native_lanes<V>;
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   return batch::detail::update_range<tangent, measure, lanes>(material, 0, n, in, out);
 }
@@ -417,7 +535,7 @@ template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, in
           class In, class Out>
 std::ptrdiff_t update_batch(const batch::Materials<V, Index>& materials, std::ptrdiff_t n, const In& in,
                             const Out& out) {
-  constexpr int lanes = N > 0 ? N : 2 * simd::native_lanes<V>;
+  constexpr int lanes = N > 0 ? N : 4 * simd::native_lanes<V>;
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   std::ptrdiff_t failed = 0;
   for (std::ptrdiff_t first = 0, last; first < n; first = last) {

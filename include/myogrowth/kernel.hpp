@@ -183,17 +183,21 @@ MYOGROWTH_FUNCTION void deform(const T F[9], const T n[3], Deformation<T>& d) {
   d.lambda = sqrt(d.f[0] * d.f[0] + d.f[1] * d.f[1] + d.f[2] * d.f[2]);
 }
 
+/// ln(J_e); per_G = 1/G.
+template <class T>
+MYOGROWTH_FUNCTION T logarithm_of_Je(const T& J_minus_1, const T& G, const T& per_G) {
+  const T J_minus_G = J_minus_1 - (G - Real<T>(1));
+  return ln_1_plus(T(J_minus_G * per_G), J_minus_G, G);
+}
+
 /// All that follows from the deformation and the grown state, without a branch on either.
 template <class T, class P>
 MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G,
-                               PointUpdate<T>& out) {
+                               const T& per_G, const T& ln_Je, PointUpdate<T>& out) {
   using V = Real<T>;
   const V one(1);
   const bool grown = material.energy == EnergyPer::grown_volume;
-  const T per_G = one / G;
   const T G_minus_1 = G - one;
-  const T J_minus_G = d.J_minus_1 - G_minus_1;
-  const T ln_Je = ln_1_plus(T(J_minus_G * per_G), J_minus_G, G);
   out.G = G;
   out.lambda_e = d.lambda * per_G;
   out.Je = (one + d.J_minus_1) * per_G;
@@ -202,7 +206,7 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
   const T pressure = out.c1 * ln_Je;
   // b_e - I = (F F^T - I) - (G^2 - 1) fe⊗fe, the square written as in F F^T: F = F_g is exactly stress-free.
   const T square_minus_1 = G_minus_1 + G_minus_1 + G_minus_1 * G_minus_1;
-  const T fe[3] = {d.f[0] / G, d.f[1] / G, d.f[2] / G};
+  const T fe[3] = {quotient(d.f[0], G, per_G), quotient(d.f[1], G, per_G), quotient(d.f[2], G, per_G)};
   const T fefe[6] = {fe[0] * fe[0], fe[1] * fe[1], fe[2] * fe[2],
                      fe[0] * fe[1], fe[0] * fe[2], fe[1] * fe[2]};
   // dtau/dG at fixed F = -c1/G I - 2 c2/G fe⊗fe, and for grown_volume, where tau = G tau_ref, + tau/G.
@@ -213,8 +217,10 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
     out.be[i] = i < 3 ? T(one + be_minus_I) : be_minus_I;
     out.tau[i] = i < 3 ? T(pressure + out.c2 * be_minus_I) : T(out.c2 * be_minus_I);
     out.dtau_dG[i] = i < 3 ? T(dtau_I + dtau_fe * fefe[i]) : T(dtau_fe * fefe[i]);
-    if (grown) out.dtau_dG[i] = out.dtau_dG[i] + out.tau[i] * per_G;
     if (i < 3) trace = trace + be_minus_I;
+  }
+  if (grown) {  // (not above, where a branch would keep the loop a loop)
+    for (int i = 0; i < 6; ++i) out.dtau_dG[i] = out.dtau_dG[i] + out.tau[i] * per_G;
   }
   out.psi = (pressure * ln_Je + out.c2 * (trace - (ln_Je + ln_Je))) / V(2);
 }
@@ -249,7 +255,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& mate
   const GrowthStep<T> step = detail::grow(material, G_n, lambda_n, out.lambda, dt, std::is_same<P, V>());
   out.dG_dlambda = step.dG_dlambda;
   out.iterations = step.iterations;
-  detail::stress(material, d, step.G, out);
+  const T per_G = V(1) / step.G;
+  detail::stress(material, d, step.G, per_G, detail::logarithm_of_Je(d.J_minus_1, step.G, per_G), out);
 
   V sum = value(out.psi) + value(out.lambda_e);
   for (int i = 0; i < 6; ++i) sum += value(out.tau[i]) + value(out.dtau_dG[i]);
@@ -273,7 +280,7 @@ MYOGROWTH_FUNCTION Status update_point(const FibreGrowth<P>& material, const T F
 template <class T, class Array>
 MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, const T& factor) {
   using V = Real<T>;
-  const T c1 = factor * u.c1, c2 = factor * u.c2, half_c2 = c2 / V(2), zero(0);
+  const T c1 = factor * u.c1, c2 = factor * u.c2, half_c2 = c2 / V(2), zero(0), two(V(2));
   const T b1 = c2 * u.be[0], b2 = c2 * u.be[1], b3 = c2 * u.be[2];
   const T b12 = c2 * u.be[3], b13 = c2 * u.be[4], b23 = c2 * u.be[5];
   const T h1 = half_c2 * u.be[0], h2 = half_c2 * u.be[1], h3 = half_c2 * u.be[2];
@@ -294,9 +301,9 @@ MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, cons
     }
   };
   // clang-format off
-  column(0, c1 + b1 + b1, c1,           c1,           b12,     b13,     zero);
-  column(1, c1,           c1 + b2 + b2, c1,           b12,     zero,    b23);
-  column(2, c1,           c1,           c1 + b3 + b3, zero,    b13,     b23);
+  column(0, c1 + two * b1, c1,            c1,            b12,     b13,     zero);
+  column(1, c1,            c1 + two * b2, c1,            b12,     zero,    b23);
+  column(2, c1,            c1,            c1 + two * b3, zero,    b13,     b23);
   column(3, b12,          b12,          zero,         h1 + h2, h23,     h13);
   column(4, b13,          zero,         b13,          h23,     h1 + h3, h12);
   column(5, zero,         b23,          b23,          h13,     h12,     h2 + h3);

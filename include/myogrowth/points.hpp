@@ -107,7 +107,8 @@ struct Aosoa {
     MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c * block; }
   };
   MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const {
-    return {data + i / block * (block * components) + i % block};
+    const auto within = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(i) % block);  // (i >= 0)
+    return {data + (i - within) * components + within};
   }
   /// @endcond
 };

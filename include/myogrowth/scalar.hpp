@@ -104,6 +104,12 @@ MYOGROWTH_FUNCTION inline double ln_1_plus(double x, double d, double G) {
 }
 /// @}
 
+/// a/b, given 1/b, which packs make use of (simd.hpp).
+template <class T>
+MYOGROWTH_FUNCTION T quotient(const T& a, const T& b, const T&) {
+  return a / b;
+}
+
 /// True for ordinary numbers, false for NaN and infinity.
 template <class T>
 MYOGROWTH_FUNCTION bool is_finite(const T& x) {

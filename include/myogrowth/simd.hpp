@@ -64,13 +64,105 @@ inline void fence() {
 #endif
 }
 
-/// True or false in every lane: all bits of an integer of V's size.
+/// True or false in every lane of a register: all bits of an integer of V's size; with AVX-512 one bit, in a
+/// mask register. (g++ 12 takes vectors of such integers apart, bit by bit, when they meet.)
+template <class V, int width>
+struct MaskRegister {
+  using Type = typename Register<V, width>::Integers;  ///< the bits
+};
+/// @cond
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+template <>
+struct MaskRegister<double, 8> {
+  using Type = __mmask8;
+};
+template <>
+struct MaskRegister<float, 16> {
+  using Type = __mmask16;
+};
+#endif
+/// @endcond
+
+/// True or false in every lane.
 template <class V, int N>
 struct Mask {
   static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>;  ///< lanes of a register
   static constexpr int parts = N / width;                                  ///< registers
-  typename Register<V, width>::Integers v[parts];                          ///< the registers
+  using Type = typename MaskRegister<V, width>::Type;                      ///< a register's
+  Type v[parts];                                                           ///< of the registers
 };
+
+// What a target with mask registers has and the vector extensions have not: comparisons and the choice.
+namespace detail {
+
+template <class Type, class L, class V>
+Type less(const L& a, const L& b, V) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+  else if constexpr (sizeof(L) == 64)
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+  else
+#endif
+    return a < b;
+}
+template <class Type, class L, class V>
+Type less_or_equal(const L& a, const L& b, V) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LE_OQ);
+  else if constexpr (sizeof(L) == 64)
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LE_OQ);
+  else
+#endif
+    return a <= b;
+}
+template <class Type, class L, class V>
+Type equal(const L& a, const L& b, V) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_EQ_OQ);
+  else if constexpr (sizeof(L) == 64)
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_EQ_OQ);
+  else
+#endif
+    return a == b;
+}
+template <class Type, class L, class V>
+L choose(const Type& mask, const L& a, const L& b, V) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
+    return (L)_mm512_mask_blend_pd(mask, (__m512d)b, (__m512d)a);
+  else if constexpr (sizeof(L) == 64)
+    return (L)_mm512_mask_blend_ps(mask, (__m512)b, (__m512)a);
+  else
+#endif
+    return mask ? a : b;
+}
+template <class L, class V>
+L smaller(const L& a, const L& b, V) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
+    return (L)_mm512_maskz_min_pd(0xff, (__m512d)a, (__m512d)b);
+  else if constexpr (sizeof(L) == 64)
+    return (L)_mm512_maskz_min_ps(0xffff, (__m512)a, (__m512)b);
+  else
+#endif
+    return a < b ? a : b;
+}
+template <class L, class V>
+L larger(const L& a, const L& b, V) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
+    return (L)_mm512_maskz_max_pd(0xff, (__m512d)a, (__m512d)b);
+  else if constexpr (sizeof(L) == 64)
+    return (L)_mm512_maskz_max_ps(0xffff, (__m512)a, (__m512)b);
+  else
+#endif
+    return a > b ? a : b;
+}
+
+}  // namespace detail
 
 /// N lanes of V, in one register or in several side by side, whose operations hide each other's latency.
 template <class V, int N>
@@ -156,17 +248,17 @@ struct Pack {
   }
   friend Mask<V, N> operator<(const Pack& a, const Pack& b) {
     Mask<V, N> m;
-    for (int k = 0; k < parts; ++k) m.v[k] = a.v[k] < b.v[k];
+    for (int k = 0; k < parts; ++k) m.v[k] = detail::less<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
     return m;
   }
   friend Mask<V, N> operator<=(const Pack& a, const Pack& b) {
     Mask<V, N> m;
-    for (int k = 0; k < parts; ++k) m.v[k] = a.v[k] <= b.v[k];
+    for (int k = 0; k < parts; ++k) m.v[k] = detail::less_or_equal<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
     return m;
   }
   friend Mask<V, N> operator==(const Pack& a, const Pack& b) {
     Mask<V, N> m;
-    for (int k = 0; k < parts; ++k) m.v[k] = a.v[k] == b.v[k];
+    for (int k = 0; k < parts; ++k) m.v[k] = detail::equal<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
     return m;
   }
   friend Mask<V, N> operator>(const Pack& a, const Pack& b) { return b < a; }
@@ -179,19 +271,19 @@ struct Pack {
 template <class V, int N>
 Mask<V, N> operator&(const Mask<V, N>& a, const Mask<V, N>& b) {
   Mask<V, N> m;
-  for (int k = 0; k < m.parts; ++k) m.v[k] = a.v[k] & b.v[k];
+  for (int k = 0; k < m.parts; ++k) m.v[k] = static_cast<typename Mask<V, N>::Type>(a.v[k] & b.v[k]);
   return m;
 }
 template <class V, int N>
 Mask<V, N> operator|(const Mask<V, N>& a, const Mask<V, N>& b) {
   Mask<V, N> m;
-  for (int k = 0; k < m.parts; ++k) m.v[k] = a.v[k] | b.v[k];
+  for (int k = 0; k < m.parts; ++k) m.v[k] = static_cast<typename Mask<V, N>::Type>(a.v[k] | b.v[k]);
   return m;
 }
 template <class V, int N>
 Mask<V, N> operator!(const Mask<V, N>& a) {
   Mask<V, N> m;
-  for (int k = 0; k < m.parts; ++k) m.v[k] = ~a.v[k];
+  for (int k = 0; k < m.parts; ++k) m.v[k] = static_cast<typename Mask<V, N>::Type>(~a.v[k]);
   return m;
 }
 /// @}
@@ -200,8 +292,35 @@ Mask<V, N> operator!(const Mask<V, N>& a) {
 template <class V, int N>
 Pack<V, N> select(const Mask<V, N>& mask, const Pack<V, N>& a, const Pack<V, N>& b) {
   Pack<V, N> c;
-  for (int k = 0; k < c.parts; ++k) c.v[k] = mask.v[k] ? a.v[k] : b.v[k];
+  for (int k = 0; k < c.parts; ++k) c.v[k] = detail::choose(mask.v[k], a.v[k], b.v[k], V());
   return c;
+}
+
+/// The smaller and the larger; b where either is NaN.
+/// @{
+template <class V, int N>
+Pack<V, N> min(const Pack<V, N>& a, const Pack<V, N>& b) {
+  Pack<V, N> c;
+  for (int k = 0; k < c.parts; ++k) c.v[k] = detail::smaller(a.v[k], b.v[k], V());
+  return c;
+}
+template <class V, int N>
+Pack<V, N> max(const Pack<V, N>& a, const Pack<V, N>& b) {
+  Pack<V, N> c;
+  for (int k = 0; k < c.parts; ++k) c.v[k] = detail::larger(a.v[k], b.v[k], V());
+  return c;
+}
+/// @}
+
+/// The number without its sign.
+template <class V, int N>
+Pack<V, N> abs(const Pack<V, N>& a) {
+  using Bits = typename Register<V, Pack<V, N>::width>::Bits;
+  using Unsigned = typename Register<V, Pack<V, N>::width>::Unsigned;
+  Pack<V, N> b;
+  for (int k = 0; k < b.parts; ++k)
+    b.v[k] = (typename Pack<V, N>::Lanes)((Bits)a.v[k] & static_cast<Unsigned>(~Unsigned(0) >> 1));
+  return b;
 }
 
 // The few operations that a target has and the vector extensions have not, for one register.
@@ -209,14 +328,8 @@ Pack<V, N> select(const Mask<V, N>& mask, const Pack<V, N>& a, const Pack<V, N>&
 namespace detail {
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
-template <class L>
-unsigned sign_bits(const L& v, std::integral_constant<int, 64>, double) {
-  return _mm512_movepi64_mask((__m512i)v);
-}
-template <class L>
-unsigned sign_bits(const L& v, std::integral_constant<int, 64>, float) {
-  return _mm512_movepi32_mask((__m512i)v);
-}
+inline unsigned sign_bits(__mmask8 mask, std::integral_constant<int, 1>, double) { return mask; }
+inline unsigned sign_bits(__mmask16 mask, std::integral_constant<int, 2>, float) { return mask; }
 template <class L>
 L rough_reciprocal_root(const L& v, double) {
   return (L)_mm512_maskz_rsqrt14_pd(0xff, (__m512d)v);
@@ -335,7 +448,7 @@ unsigned bits(const Mask<V, N>& mask) {
 /// Whether the mask is true in any lane.
 template <class V, int N>
 bool any(Mask<V, N> mask) {
-  for (int k = 1; k < mask.parts; ++k) mask.v[0] |= mask.v[k];
+  for (int k = 1; k < mask.parts; ++k) mask.v[0] = static_cast<typename Mask<V, N>::Type>(mask.v[0] | mask.v[k]);
   return detail::sign_bits(mask.v[0], std::integral_constant<int, sizeof mask.v[0]>(), V()) != 0;
 }
 
@@ -399,6 +512,18 @@ typename Pack<V, N>::Lanes divide(const Pack<V, N>& a, const Pack<V, N>& b) {
   }
 #endif
   return a.v[0] / b.v[0];
+}
+
+/// a/b, given per_b = 1/b: correctly rounded up to an ulp, where the target has fused operations for that.
+template <class V, int N>
+Pack<V, N> quotient(const Pack<V, N>& a, const Pack<V, N>& b, const Pack<V, N>& per_b) {
+#if defined(__FMA__) || defined(__aarch64__)
+  const Pack<V, N> q = a * per_b;
+  return multiply_add(multiply_add(-b, q, a), per_b, q);
+#else
+  (void)per_b;
+  return a / b;
+#endif
 }
 
 /// a/b to 12 digits (7 for float), where the target has that for less.
@@ -592,10 +717,11 @@ Pack<V, N> ln_1_plus(const Pack<V, N>& x, const Pack<V, N>& d, const Pack<V, N>&
   return any(outside) ? select(outside, log1p(x), y) : y;
 }
 
-/// Whether nothing is carried in any lane.
+/// Whether a term with this factor can be left out: packs never look. Both ways would end in the same stores,
+/// which g++ then puts off until all that is stored has gone through the stack.
 template <class V, int N>
-bool is_zero(const Pack<V, N>& x) {
-  return !any(!(x == Pack<V, N>(V(0))));
+constexpr bool is_zero(const Pack<V, N>&) {
+  return false;
 }
 
 /// The number type under a pack. Not defined: a pack has no one value.
