@@ -145,7 +145,8 @@ struct Begun {
 };
 
 /// The scaled growth number a = dt k_g(G_n) of growth_solve.hpp: (A, E) = (a, 1) for a <= 1 and (1, 1/a)
-/// beyond. Adds to `left` the lanes where a is so large that 1/a and what it multiplies leave the normal range.
+/// beyond. Adds to `left` the lanes where a is so large that 1/a and what it multiplies leave the normal
+/// range.
 template <class V, int N>
 void growth_number(const Common<V>& common, const Pack<V, N>& room_n, const Pack<V, N>& dt, Pack<V, N>& A,
                    Pack<V, N>& E, Mask<V, N>& left) {
@@ -162,8 +163,8 @@ void growth_number(const Common<V>& common, const Pack<V, N>& room_n, const Pack
   }
 }
 
-/// Newton's method from before the root for the lanes `active` of `begun`, as growth_solve.hpp has it. Returns
-/// those that it cannot take in its stride. Apart, for the few packs that need it.
+/// Newton's method from before the root for the lanes `active` of `begun`, as growth_solve.hpp has it.
+/// Returns those that it cannot take in its stride. Apart, for the few packs that need it.
 template <int N, class V, int width>
 MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> active, Begun<V, width>* begun) {
   using P = Pack<V, N>;
@@ -198,8 +199,8 @@ MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> activ
     const P next = G + step;
     const auto onward = active & (next > G), inside = next < end;  // (not onward: rounding)
     G = select(onward, select(inside, next, end), G);
-    active = onward & inside &
-             !(step * step * (gamma_plus_1 * next + room) < P(epsilon / 4) * next * next * room);
+    active =
+        onward & inside & !(step * step * (gamma_plus_1 * next + room) < P(epsilon / 4) * next * next * room);
   }
   for (int k = 0; k < P::parts; ++k) begun[k].G.v[0] = G.v[k];
   return active;
@@ -213,8 +214,9 @@ MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> activ
 ///
 ///   E (alpha + y) y = (A/r) (1 - y)^gamma (Q - crit y),   alpha = G_n/r,  Q = (lambda - crit G_n)/r
 ///
-/// Two steps of order four from y = 0 (fourth_order_step there) are mostly all it takes. They may lead astray,
-/// but there is one root alone with y < 1 and alpha + y > 0. A lane that does not grow has A = 0, and y = 0.
+/// Two steps of order four from y = 0 (fourth_order_step there) are mostly all it takes. They may lead
+/// astray, but there is one root alone with y < 1 and alpha + y > 0. A lane that does not grow has A = 0, and
+/// y = 0.
 template <int N, class V, int width>
 void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N>& G_n,
                const Pack<V, N>& lambda, const Pack<V, N>& dt, Begun<V, width>* begun, Pack<V, N>& G,
@@ -265,7 +267,7 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
 
   const P k = A * common.to_gamma(x), far = alpha + y;
   const P slope = (E * (far + y) + k * crit) * x + g1 * (E * far * y);
-  dG_dlambda = min(k * x / slope, P(common.per_crit));
+  dG_dlambda = select(G < limit, min(k * x / slope, P(common.per_crit)), zero);
 }
 
 /// The first stage for the points from point i on: their deformation.
@@ -313,8 +315,8 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
     bad.v[k] = begun[k].bad.v[0];
   }
   const P zero(V(0)), one(V(1));
-  const auto grows = (dt > zero) & (lambda > P(material.growth.lambda_crit) * G_n) &
-                     (G_n < P(material.growth.G_max)) & !bad;
+  const auto grows =
+      (dt > zero) & (lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max)) & !bad;
   P G = G_n, dG_dlambda = zero;
   if (material.integration != TimeIntegration::backward_euler) {
     bad = bad | (dt > zero);  // whether it grows, and how, is a matter of lambda_n too
@@ -378,7 +380,8 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
     for (int c = 0; c < 6; ++c) stress_out.store(c, u.tau[c] * factor);
   }
   if constexpr (tangent == Tangent::compact) {
-    const P compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0], u.G, u.J};
+    const P compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0],
+                          u.G,    u.J};
     for (int c = 0; c < 7; ++c) tangent_out.store(c, compact[c]);
   }
   if constexpr (tangent == Tangent::full && measure == Measure::cauchy) {
@@ -413,8 +416,8 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
 
 /// How many registers go through the stages together.
 template <class V, int N>
-constexpr int registers_at_once = Pack<V, N>::parts < 8 ? 8 / Pack<V, N>::parts * Pack<V, N>::parts
-                                                        : Pack<V, N>::parts;
+constexpr int registers_at_once =
+    Pack<V, N>::parts < 8 ? 8 / Pack<V, N>::parts* Pack<V, N>::parts : Pack<V, N>::parts;
 
 /// So many registers of points from point i on. Gives a bit of bad[register] for every lane that has to be
 /// done by update_one instead. All go through one stage before the next: a point's operations wait for each
@@ -520,7 +523,8 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
 }  // namespace batch
 
 /// One step of n points of one material. Returns how many have no result (det F <= 0, no fibre, G <= 0, or
-/// not finite). N: the lanes of a pack, by default as many as the compiler's target has.
+/// not finite). N: the lanes of a
+/// pack, by default four registers of the compiler's target.
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {

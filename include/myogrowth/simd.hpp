@@ -253,7 +253,8 @@ struct Pack {
   }
   friend Mask<V, N> operator<=(const Pack& a, const Pack& b) {
     Mask<V, N> m;
-    for (int k = 0; k < parts; ++k) m.v[k] = detail::less_or_equal<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
+    for (int k = 0; k < parts; ++k)
+      m.v[k] = detail::less_or_equal<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
     return m;
   }
   friend Mask<V, N> operator==(const Pack& a, const Pack& b) {
@@ -448,7 +449,8 @@ unsigned bits(const Mask<V, N>& mask) {
 /// Whether the mask is true in any lane.
 template <class V, int N>
 bool any(Mask<V, N> mask) {
-  for (int k = 1; k < mask.parts; ++k) mask.v[0] = static_cast<typename Mask<V, N>::Type>(mask.v[0] | mask.v[k]);
+  for (int k = 1; k < mask.parts; ++k)
+    mask.v[0] = static_cast<typename Mask<V, N>::Type>(mask.v[0] | mask.v[k]);
   return detail::sign_bits(mask.v[0], std::integral_constant<int, sizeof mask.v[0]>(), V()) != 0;
 }
 
