@@ -428,7 +428,9 @@ MYOGROWTH_FLAT void update_registers(const Common<V>& common, std::ptrdiff_t i, 
                                      const Out& out, unsigned* bad) {
   constexpr int width = Pack<V, N>::width, parts = Pack<V, N>::parts;
   Begun<V, width> begun[registers_at_once<V, N>];
-  for (int k = 0; k < registers; ++k) begin(in, i + k * width, begun[k]);
+  int begun_so_far = 0;
+  do begin(in, i + begun_so_far * width, begun[begun_so_far]);
+  while (++begun_so_far < registers);
   for (int k = registers; k % parts != 0; ++k) begun[k] = begun[0];  // to fill a pack
   for (int k = 0; k < registers; k += parts) grow<N>(common, begun + k);
   for (int k = 0; k < registers; ++k)
@@ -523,8 +525,7 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
 }  // namespace batch
 
 /// One step of n points of one material. Returns how many have no result (det F <= 0, no fibre, G <= 0, or
-/// not finite). N: the lanes of a
-/// pack, by default four registers of the compiler's target.
+/// not finite). N: the lanes of a pack, by default four registers of the compiler's target.
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
