@@ -4,6 +4,8 @@
 // Nothing is remembered between calls (save, where dump.hpp is on, how many it has written), nothing throws,
 // and CMNAME (whose hidden length some hosts leave out), NOEL, NPT, COORDS, LAYER and KSPT, which many hosts
 // do not fill, are never read.
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <myogrowth/kernel.hpp>
 #include <myogrowth/left_stretch.hpp>
@@ -72,13 +74,16 @@ bool pack(const double* tau, const double* c, int rows, double per_J, double* st
   return are_finite(stress, n) && are_finite(ddsdde, n * n);
 }
 
-// Sums of DDSDDE(6,6), which are not finite if an entry is not.
-double sum(const double* ddsdde) {
-  double sums[4] = {};
-  for (int i = 0; i < 9; ++i) {
-    for (int k = 0; k < 4; ++k) sums[k] += ddsdde[4 * i + k];
-  }
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+// Twice what no entry of spatial_modulus(u, ., per_J) and of the stress exceeds: b_e is positive definite,
+// and a product of two of f's components is no more than lambda^2.
+double bound(const PointUpdate<double>& u, double per_J) {
+  const double* g = u.dtau_dG;
+  const double* t = u.tau;
+  const double trace = u.be[0] + u.be[1] + u.be[2];
+  const double growth =
+      (std::abs(g[0]) + std::abs(g[1]) + std::abs(g[2])) + (std::abs(g[3]) + std::abs(g[4]) + std::abs(g[5]));
+  const double stress = (std::abs(t[0]) + std::abs(t[1])) + std::abs(t[2]) + (u.c2 + u.c2) * trace;
+  return 2 * per_J * ((std::abs(u.c1) + stress) + growth * (u.dG_dlambda * u.lambda));
 }
 
 void update_state(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
@@ -86,7 +91,8 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
                   int nprops, double* pnewdt, const double* dfgrd1) {
   *rpl = *drpldt = 0;
   if (ntens == 6) {
-    for (int i = 0; i < 6; ++i) ddsddt[i] = drplde[i] = 0;
+    std::fill_n(ddsddt, 6, 0.0);
+    std::fill_n(drplde, 6, 0.0);
   } else {
     for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
   }
@@ -144,9 +150,8 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     const double per_J = 1 / u.J;
     if (ntens == 6) {
       spatial_modulus(u, ddsdde, per_J);
-      double all = sum(ddsdde);
-      for (int i = 0; i < 6; ++i) all += stress[i] = u.tau[i] * per_J;
-      finite = is_finite(all) || (are_finite(ddsdde, 36) && are_finite(stress, 6));
+      for (int i = 0; i < 6; ++i) stress[i] = u.tau[i] * per_J;
+      finite = is_finite(bound(u, per_J)) || (are_finite(ddsdde, 36) && are_finite(stress, 6));
     } else {
       spatial_modulus(u, c, per_J);
       for (int i = 0; i < 6; ++i) u.tau[i] *= per_J;

@@ -3,7 +3,7 @@
 ///
 /// Every point is one lane of a pack. A lane's result is the same bits wherever it stands and however many
 /// points there are, and agrees with update_point to rounding. What a pack is not made for (removal, gamma <
-/// 1, the second-order step, a step that Newton's method cannot take in its stride; a point without a result)
+/// 1 with backward Euler, a step so long that it takes more than a few iterations; a point without a result)
 /// is done by the scalar routines, point by point.
 ///
 ///   myogrowth::batch::Input in{soa(F, n), shared(n0), soa(G, n), shared(&dt)};
@@ -140,7 +140,7 @@ MYOGROWTH_APART Status update_apart(const FibreGrowth<V>& material, std::ptrdiff
 template <class V, int N>
 struct Begun {
   Deformation<Pack<V, N>> d;
-  Pack<V, N> G_n, dt, G, dG_dlambda, per_G, ln_Je, per_J;
+  Pack<V, N> G_n, dt, lambda_n, G, dG_dlambda, per_G, ln_Je, per_J;
   Mask<V, N> bad;  ///< has to be done by update_one
 };
 
@@ -270,6 +270,92 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   dG_dlambda = select(G < limit, min(k * x / slope, P(common.per_crit)), zero);
 }
 
+/// The flow of growth_flow.hpp at the stretch of the middle of the step, for the lanes that grow: G and
+/// dG/dlambda of `begun`. Returns the lanes that are left to the scalar routine. Apart, as it takes ten times
+/// what the stages around it take.
+template <int N, class V, int width>
+MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& grows,
+                                     Begun<V, width>* begun) {
+  using P = Pack<V, N>;
+  const GrowthRate<V>& rate = common.material.growth;
+  const P zero(V(0)), one(V(1)), half(V(0.5)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
+  P lambda, G_n, dt;
+  for (int k = 0; k < P::parts; ++k) {
+    lambda.v[k] = (begun[k].d.lambda.v[0] + begun[k].lambda_n.v[0]) * V(0.5);
+    G_n.v[k] = begun[k].G_n.v[0];
+    dt.v[k] = begun[k].dt.v[0];
+  }
+  const P r = select(grows, limit - G_n, one), per_r = one / r;
+  const P a = select(grows, dt, zero) * P(common.per_time) * common.to_gamma(P(r * P(common.per_width)));
+  const P end = min(P(lambda * P(common.per_crit)), limit), u_n = select(grows, end - G_n, one);
+  const P room_end = limit - end, q_end = select(end < limit, zero, lambda - crit * limit);
+  struct At {
+    P u, g, kappa, q;
+  };
+  const auto at = [&](const P& w) {
+    const P u = u_n * exp(P(-w));
+    return At{u, end - u, common.to_gamma(P((room_end + u) * per_r)), q_end + crit * u};
+  };
+  const GaussRule<V> rule = gauss_rule<V>();
+  const auto integrate = [&](const P& from, const P& length, P& time, P& sensitivity) {
+    const P half_length = length * half, middle = from + half_length;
+    time = sensitivity = zero;
+    for (int i = 0; i < 10; ++i) {
+      const At there = at(middle + half_length * P(i < 5 ? rule.point[i] : -rule.point[i - 5]));
+      const P per_kappa_q = one / (there.kappa * there.q);
+      const P f = P(rule.weight[i % 5]) * there.g * there.u * per_kappa_q;
+      time = time + f;
+      sensitivity = sensitivity + f * there.kappa * per_kappa_q;
+    }
+    time = time * half_length;
+    sensitivity = sensitivity * half_length;
+  };
+
+  // The part of the first panel that it takes, from the series of the time to second order; or whole panels.
+  const P q_n = q_end + crit * u_n, ahead = a * q_n / (G_n * u_n);
+  const P growth = u_n / G_n + gamma * u_n * per_r + crit * u_n / q_n - one;
+  const P panel(flow_panel(rate.gamma));
+  P part = ahead / (one + half * growth * ahead), from = zero, to_go = a, before = zero;
+  auto beyond = grows & !(part < panel * P(V(0.9)));
+  part = select(beyond, panel, part);
+  constexpr int most_panels = 16;
+  for (int i = 0; i < most_panels && any(beyond); ++i) {
+    P time, sensitivity;
+    integrate(from, panel, time, sensitivity);
+    const auto passes = beyond & (time < to_go);
+    part = select(beyond & !passes, panel * (to_go / time), part);
+    to_go = select(passes, to_go - time, to_go);
+    before = select(passes, before + sensitivity, before);
+    from = select(passes, from + panel, from);
+    beyond = passes;
+  }
+
+  // Newton's method.
+  const P curvature = u_n / G_n + (gamma + P(V(4)));
+  P sum = zero;
+  auto active = grows & !beyond;
+  for (int iteration = 0; iteration < 8 && any(active); ++iteration) {
+    P time, sensitivity;
+    integrate(from, part, time, sensitivity);
+    const At here = at(from + part);
+    const P speed = here.kappa * here.q / (here.g * here.u), step = (to_go - time) * speed;
+    const P next = part + step;
+    part = select(active, next, part);
+    sum = select(active, sensitivity + step / (speed * here.q), sum);
+    active = active & !(curvature * step * step < P(std::numeric_limits<V>::epsilon() / 4) * (from + next));
+  }
+  const At last = at(from + part);
+  const P dG_dlambda = last.kappa * last.q / last.g * (before + sum) * half;
+  const P G = max(min(P(G_n + (u_n - last.u)), end), G_n);
+  for (int k = 0; k < P::parts; ++k) {
+    begun[k].G.v[0] = select(grows, G, G_n).v[k];
+    begun[k].dG_dlambda.v[0] = select(grows, dG_dlambda, zero).v[k];
+  }
+  // (From far below the end, u_n - u would cost G digits.)
+  const auto within = (zero <= part) & (part <= panel) & (u_n < P(V(8)) * G_n);
+  return grows & (beyond | active | !within);
+}
+
 /// The first stage for the points from point i on: their deformation.
 template <class V, int N, class In>
 void begin(const In& in, std::ptrdiff_t i, Begun<V, N>& b) {
@@ -278,6 +364,7 @@ void begin(const In& in, std::ptrdiff_t i, Begun<V, N>& b) {
   const Points<V, N, std::decay_t<decltype(in.n0)>> n_in(in.n0, i);
   const Points<V, N, std::decay_t<decltype(in.G)>> G_in(in.G, i);
   const Points<V, N, std::decay_t<decltype(in.dt)>> dt_in(in.dt, i);
+  const Points<V, N, std::decay_t<decltype(in.lambda)>> lambda_in(in.lambda, i);
   const P zero(V(0)), one(V(1));
   // (Not by a loop, which g++ would send through the stack, twice.)
   const P F[9] = {F_in.load(0), F_in.load(1), F_in.load(2), F_in.load(3), F_in.load(4),
@@ -285,19 +372,20 @@ void begin(const In& in, std::ptrdiff_t i, Begun<V, N>& b) {
   P n[3] = {n_in.load(0), n_in.load(1), n_in.load(2)};
   b.G_n = G_in.load(0);
   b.dt = dt_in.load(0);
+  b.lambda_n = lambda_in.load(0);
 
   // As normalise() has it; a vector so short or long that its square is out of range is left to that.
   const P square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  const P rounding(4 * std::numeric_limits<V>::epsilon());
-  const auto is_unit = (-rounding <= square - one) & (square - one <= rounding);
+  const auto is_unit = abs(square - one) <= P(4 * std::numeric_limits<V>::epsilon());
+  auto has_fibre = is_unit;
   if (any(!is_unit)) {
+    has_fibre = (square > P(std::numeric_limits<V>::min() / std::numeric_limits<V>::epsilon())) &
+                (square < P(std::numeric_limits<V>::max()));
     const P per_length = select(is_unit, one, one / sqrt(square));
     for (int c = 0; c < 3; ++c) n[c] = n[c] * per_length;
   }
   deform(F, n, b.d);
-  b.bad = !((square > P(std::numeric_limits<V>::min() / std::numeric_limits<V>::epsilon())) &
-            (square < P(std::numeric_limits<V>::max())) & (one + b.d.J_minus_1 > zero) & (b.G_n > zero) &
-            (b.dt - b.dt == zero));
+  b.bad = !(has_fibre & (b.d.J_minus_1 > -one) & (b.G_n > zero) & (b.dt - b.dt == zero));
 }
 
 /// The second stage, for as many registers as a pack has: what is a chain of operations that wait for each
@@ -315,13 +403,21 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
     bad.v[k] = begun[k].bad.v[0];
   }
   const P zero(V(0)), one(V(1));
+  const bool flows = material.integration == TimeIntegration::midpoint_flow;
+  if (flows) {
+    for (int k = 0; k < P::parts; ++k) lambda.v[k] = (lambda.v[k] + begun[k].lambda_n.v[0]) * V(0.5);
+  }
   const auto grows =
       (dt > zero) & (lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max)) & !bad;
   P G = G_n, dG_dlambda = zero;
-  if (material.integration != TimeIntegration::backward_euler) {
-    bad = bad | (dt > zero);  // whether it grows, and how, is a matter of lambda_n too
-  } else if (any(grows)) {
-    if (material.growth.gamma >= 1) {
+  if (any(grows)) {
+    if (flows) {
+      bad = bad | flow_pack<N>(common, grows, begun);
+      for (int k = 0; k < P::parts; ++k) {
+        G.v[k] = begun[k].G.v[0];
+        dG_dlambda.v[k] = begun[k].dG_dlambda.v[0];
+      }
+    } else if (material.growth.gamma >= 1) {
       grow_pack<N>(common, grows, G_n, lambda, dt, begun, G, dG_dlambda, bad);
     } else {
       bad = bad | grows;

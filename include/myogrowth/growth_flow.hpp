@@ -45,20 +45,36 @@ struct FlowIntegrals {
   V time, sensitivity;
 };
 
-/// By the ten-point Gauss-Legendre rule.
+/// The ten-point Gauss-Legendre rule: points +-point[i] with weight[i], on [-1, 1].
+template <class V>
+struct GaussRule {
+  V point[5], weight[5];
+};
+template <class V>
+MYOGROWTH_FUNCTION constexpr GaussRule<V> gauss_rule() {
+  return {{V(0.14887433898163121088482600112972L), V(0.43339539412924719079926594316579L),
+           V(0.67940956829902440623432736511487L), V(0.86506336668898451073209668842349L),
+           V(0.97390652851717172007796401208445L)},
+          {V(0.29552422471475287017389299465132L), V(0.26926671930999635509122692156947L),
+           V(0.21908636251598204399553493422816L), V(0.14945134915058059314586339765770L),
+           V(0.06667134430868813759356880989333L)}};
+}
+
+/// How long a panel is: short against the growth of the integrands, as far as anybody's gamma goes, so that
+/// the number of panels is bounded.
+template <class V>
+MYOGROWTH_FUNCTION V flow_panel(V gamma) {
+  return 4 / (4 + (gamma < 100 ? gamma : V(100)));
+}
+
 template <class V, int sign>
 MYOGROWTH_FUNCTION FlowIntegrals<V> integrate(const Flow<V, sign>& flow, V w_0, V w_1) {
-  const V point[5] = {V(0.14887433898163121088482600112972L), V(0.43339539412924719079926594316579L),
-                      V(0.67940956829902440623432736511487L), V(0.86506336668898451073209668842349L),
-                      V(0.97390652851717172007796401208445L)};
-  const V weight[5] = {V(0.29552422471475287017389299465132L), V(0.26926671930999635509122692156947L),
-                       V(0.21908636251598204399553493422816L), V(0.14945134915058059314586339765770L),
-                       V(0.06667134430868813759356880989333L)};
+  const GaussRule<V> rule = gauss_rule<V>();
   const V middle = (w_0 + w_1) / 2, half = (w_1 - w_0) / 2;
   FlowIntegrals<V> sum{0, 0};
   for (int i = 0; i < 10; ++i) {
-    const typename Flow<V, sign>::At at = flow.at(middle + (i < 5 ? half : -half) * point[i % 5]);
-    const V f = weight[i % 5] * at.g * at.u / (at.kappa * at.q);
+    const typename Flow<V, sign>::At at = flow.at(middle + (i < 5 ? half : -half) * rule.point[i % 5]);
+    const V f = rule.weight[i % 5] * at.g * at.u / (at.kappa * at.q);
     sum.time += f;
     sum.sensitivity += f / at.q;
   }
@@ -75,15 +91,37 @@ struct FlowResult {
 template <class V, int sign>
 MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
   const BracketedEquation<V, sign>& eq = flow.eq;
-  // Short against the growth of the integrands, as far as anybody's gamma goes: the number of panels is
-  // bounded.
-  const V panel = 4 / (4 + (eq.gamma < 100 ? eq.gamma : V(100)));
+  const V panel = flow_panel(eq.gamma);
+  int iterations = 0;
+  const auto arrive = [&](V w, V sensitivity) -> FlowResult<V> {
+    const typename Flow<V, sign>::At at = flow.at(w);
+    const V speed = at.kappa * at.q / at.g;
+    const V G = eq.G_n - sign * flow.u_n * expm1(-w);
+    return {G, speed * sensitivity, speed * eq.G_n / eq.q(eq.lambda, eq.G_n), iterations};
+  };
+
+  // A step that ends in the first panel, as most do: from the series of the time to second order in w, by
+  // Newton's method.
+  const V relative = flow.u_n / eq.G_n, q_n = eq.q(eq.lambda, eq.G_n);
+  const V ahead = a * q_n / (eq.G_n * flow.u_n);
+  const V growth = sign * relative + eq.gamma * flow.u_n * eq.per_room + eq.crit * flow.u_n / q_n - 1;
+  V part = ahead / (1 + growth * ahead / 2);
+  for (int i = 0; i < 8 && part > 0 && part < panel; ++i) {
+    ++iterations;
+    const FlowIntegrals<V> some = integrate(flow, V(0), part);
+    const typename Flow<V, sign>::At at = flow.at(part);
+    const V speed = at.kappa * at.q / (at.g * at.u), step = (a - some.time) * speed;
+    part += step;
+    const bool is_last =
+        (relative + eq.gamma + 4) * step * step < std::numeric_limits<V>::epsilon() / 4 * part;
+    if (is_last && part <= panel) return arrive(part, some.sensitivity + step / (speed * at.q));
+  }
+
   // Where what is left of the way is below rounding, the end is reached.
   const V below_rounding = log(flow.u_n / (std::numeric_limits<V>::epsilon() * eq.end / 8)) + panel;
   const V most = 2 * log(std::numeric_limits<V>::max());  // for an end so near 0 that its rounding is 0
   const V w_end = below_rounding < most ? below_rounding : most;
   V w = 0, time = 0, sensitivity = 0;
-  int iterations = 0;
   const FlowResult<V> ended{eq.end, flow.q_end > 0 ? V(0) : 1 / eq.crit, V(0), iterations};
   while (w < w_end) {
     ++iterations;
@@ -96,7 +134,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flo
       continue;
     }
     // In this panel: Newton's method for its part, bracketed.
-    V low = 0, high = panel, part = panel * ((a - time) / whole.time);
+    V low = 0, high = panel;
+    part = panel * ((a - time) / whole.time);
     for (int i = 0; i < 100; ++i) {
       ++iterations;
       const FlowIntegrals<V> some = integrate(flow, w, w + part);
@@ -109,11 +148,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flo
       part = next;
       if (moved <= 4 * std::numeric_limits<V>::epsilon() * (w + part)) break;
     }
-    sensitivity += integrate(flow, w, w + part).sensitivity;
-    const typename Flow<V, sign>::At at = flow.at(w + part);
-    const V G = eq.G_n - sign * flow.u_n * expm1(-(w + part));
-    const V speed = at.kappa * at.q / at.g;
-    return {G, speed * sensitivity, speed * eq.G_n / eq.q(eq.lambda, eq.G_n), iterations};
+    return arrive(w + part, sensitivity + integrate(flow, w, w + part).sensitivity);
   }
   FlowResult<V> result = ended;
   result.iterations = iterations;

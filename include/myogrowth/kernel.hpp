@@ -258,8 +258,9 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& mate
   const T per_G = V(1) / step.G;
   detail::stress(material, d, step.G, per_G, detail::logarithm_of_Je(d.J_minus_1, step.G, per_G), out);
 
-  V sum = value(out.psi) + value(out.lambda_e);
-  for (int i = 0; i < 6; ++i) sum += value(out.tau[i]) + value(out.dtau_dG[i]);
+  V sums[3] = {};  // (in three parts that do not wait for each other)
+  for (int i = 0; i < 6; ++i) sums[i % 3] += value(out.tau[i]) + value(out.dtau_dG[i]);
+  const V sum = (sums[0] + sums[1]) + (sums[2] + (value(out.psi) + value(out.lambda_e)));
   if (!is_finite(sum) && !(are_finite(out.tau, 6) && are_finite(out.dtau_dG, 6) && is_finite(out.psi) &&
                            is_finite(out.lambda_e)))
     return detail::fail(Status::not_finite, G_n, out);

@@ -179,6 +179,8 @@ struct Input {
 /// @cond
 template <class F_, class N0, class G_, class Dt>
 Input(F_, N0, G_, Dt) -> Input<F_, N0, G_, Dt>;
+template <class F_, class N0, class G_, class Dt, class Lambda>
+Input(F_, N0, G_, Dt, Lambda) -> Input<F_, N0, G_, Dt, Lambda>;
 /// @endcond
 
 /// What comes out: stress; G; tangent; and, if asked for, scalars (5): lambda_e, lambda, J, Je, psi. G may be
