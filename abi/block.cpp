@@ -20,6 +20,20 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
   const batch::Output<batch::Soa<double>, batch::Soa<double>, batch::Soa<double>, batch::Soa<double>> out{
       soa(b.stress, points), soa(b.G_end, points), soa(b.tangent, points), soa(b.scalars, points)};
   update_batch<tangent, measure>(material, n, in, out);
+
+  constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
+  constexpr int n_tangent = tangent == Tangent::none ? 0 : n_stress * n_stress;
+  const auto check = [&b](const auto& at) {
+    auto sum = at(b.stress);
+    for (int c = 1; c < n_stress; ++c) sum = sum + at(b.stress + c * points);
+    for (int c = 0; c < n_tangent; ++c) sum = sum + at(b.tangent + c * points);
+    return sum - sum;
+  };
+  using P = simd::Pack<double, simd::native_lanes<double>>;
+  int k = 0;
+  for (; k + P::width <= n; k += P::width)
+    check([k](const double* x) { return P::load(x + k); }).store(b.check + k);
+  for (; k < n; ++k) b.check[k] = check([k](const double* x) { return x[k]; });
 }
 
 }  // namespace

@@ -170,6 +170,12 @@ struct Points {
   }
 };
 
+// x[0], x[stride], ... one after the other.
+template <int n>
+void gather(const double* x, double* to) {
+  for (int i = 0; i < n; ++i) to[i] = x[i * myogrowth_block_points];
+}
+
 // The batch's update of the points from `start` on, at most a block of them. done[k]: whether point start + k
 // has a result; the others are as they were, and update() says why.
 void update_many(const Common& common, const Points& points, int start, int count, bool* done) {
@@ -181,24 +187,29 @@ void update_many(const Common& common, const Points& points, int start, int coun
   for (int k = 0; k < count; ++k) {
     const Point p = points[start + k];
     double n0[3] = {properties.n0[0], properties.n0[1], properties.n0[2]}, unit[3] = {1, 0, 0};
+    const double G_n = abi::number_at_start(p.state_in);
     done[k] = !abi::find_state_fault(p.state_in, common.n_state, n0, ignored) && normalise(n0, unit) &&
-              abi::packs_can(p.F, abi::number_at_start(p.state_in));
-    for (int i = 0; i < 9; ++i) block.F[k + stride * i] = done[k] ? p.F[i] : i % 4 == 0 ? 1 : 0;
+              abi::packs_can(p.F, G_n);
+    const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, *F = done[k] ? p.F : identity;
+    for (int i = 0; i < 9; ++i) block.F[k + stride * i] = F[i];
     for (int i = 0; i < 3; ++i) block.n0[k + stride * i] = unit[i];
-    block.G[k] = done[k] ? abi::number_at_start(p.state_in) : 1;
+    block.G[k] = done[k] ? G_n : 1;
     block.lambda[k] = done[k] ? abi::stretch_at_start(p.state_in, common.n_state) : 1;
   }
   const MyogrowthBlockMaterial material = abi::block_material(properties.material);
   abi::update_block()(&material, count, common.measure, points.first.tangent != nullptr, &block);
 
-  const int n = points.stress_size;
   for (int k = 0; k < count; ++k) {
+    done[k] = done[k] && block.check[k] == 0;
     if (!done[k]) continue;
     const Point p = points[start + k];
-    for (int i = 0; i < n; ++i) p.stress[i] = block.stress[k + stride * i];
-    for (int i = 0; i < n * n && p.tangent; ++i) p.tangent[i] = block.tangent[k + stride * i];
-    done[k] = are_finite(p.stress, n) && (!p.tangent || are_finite(p.tangent, n * n));
-    if (!done[k]) continue;
+    if (points.stress_size == 6) {
+      gather<6>(block.stress + k, p.stress);
+      if (p.tangent) gather<36>(block.tangent + k, p.tangent);
+    } else {
+      gather<9>(block.stress + k, p.stress);
+      if (p.tangent) gather<81>(block.tangent + k, p.tangent);
+    }
     const double* s = block.scalars + k;
     if (p.energy) *p.energy = s[4 * stride];
     write_state({block.G_end[k], s[0], s[stride], s[2 * stride], s[3 * stride], block.n0[k],

@@ -178,7 +178,7 @@ void update_many(const Block& b, const abi::Properties& properties, int start, i
   for (int j = 0; j < count; ++j) {
     const auto of = [j](const double* x, int i) { return x[j + stride * i]; };
     bool done = false;
-    if (can[j] && is_finite(of(block.stress, 0))) {
+    if (can[j] && block.check[j] == 0) {
       Result r{{}, {block.G_end[j]}, of(block.scalars, 4)};
       for (int i = 0; i < 6; ++i) r.sigma[i] = of(block.stress, i);
       for (int i = 0; i < 4; ++i) r.state[1 + i] = of(block.scalars, i);
