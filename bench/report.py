@@ -85,8 +85,8 @@ def print_times(variants):
 
 def bound_of(variant, timing, copy_ns):
     """Bytes that a point moves, and the ns that the copy takes for as many. What is written goes past the caches in the
-    batch with packs of whole cache lines; elsewhere, and in the copy, it is read first (write-allocate)."""
-    moved = timing.read + (1 if variant.startswith("batch AVX") else 2) * timing.written
+    batch; elsewhere, and in the copy, it is read first (write-allocate)."""
+    moved = timing.read + (1 if variant.startswith("batch") else 2) * timing.written
     return moved, moved * copy_ns / 24
 
 

@@ -37,11 +37,6 @@ struct Points {
   Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
   void store(int c, const Pack<V, N>& p) const { p.store(at(c)); }
 };
-template <class V, int N, class W, int components, int block>
-struct Points<V, N, Streamed<W, components, block>> : Points<V, N, Aosoa<W, components, block>> {
-  using Points<V, N, Aosoa<W, components, block>>::Points;
-  void store(int c, const Pack<V, N>& p) const { p.stream(this->at(c)); }
-};
 template <class V, int N, class W>
 struct Points<V, N, Shared<W>> {
   const W* data;
@@ -128,6 +123,37 @@ Pack<V, N> long_step_start(const Common<V>& common, const Pack<V, N>& A, const P
   const P start = end - u * P(V(1) + 64 * std::numeric_limits<V>::epsilon());
   return select(start > G_n, start, G_n);
 }
+
+/// Where an output goes that is written past the caches: first into a buffer, for as many points as go
+/// through the stages together, and from there line by line. For other outputs there is nothing to it.
+template <class View, int points>
+struct Stage {
+  const View& view(const View& out, std::ptrdiff_t, std::ptrdiff_t) { return out; }
+  void flush() const {}
+};
+template <class W, int components, int block, int points>
+struct Stage<Streamed<W, components, block>, points> {
+  static constexpr int line = 64;  // bytes
+  struct View {
+    Aosoa<W, components, block> blocks;
+    std::ptrdiff_t first;
+    using Place = typename Aosoa<W, components, block>::Place;
+    Place from(std::ptrdiff_t i) const { return blocks.from(i - first); }
+  };
+  alignas(line) W buffer[points * components];
+  W* to = nullptr;
+  std::ptrdiff_t count = 0;
+  View view(const Streamed<W, components, block>& out, std::ptrdiff_t i, std::ptrdiff_t n) {
+    if (i % block != 0 || n % block != 0) return {{out.data}, 0};  // blocks in part are written as usual
+    to = out.data + i * components;
+    count = n * components;
+    return {{buffer}, i};
+  }
+  void flush() const {
+    constexpr int width = line / static_cast<int>(sizeof(W));
+    for (std::ptrdiff_t k = 0; k < count; k += width) Pack<W, width>::load(buffer + k).stream(to + k);
+  }
+};
 
 /// Apart, so that it does not weigh on the packs' code.
 template <Tangent tangent, Measure measure, class V, class In, class Out>
@@ -529,8 +555,21 @@ MYOGROWTH_FLAT void update_registers(const Common<V>& common, std::ptrdiff_t i, 
   while (++begun_so_far < registers);
   for (int k = registers; k % parts != 0; ++k) begun[k] = begun[0];  // to fill a pack
   for (int k = 0; k < registers; k += parts) grow<N>(common, begun + k);
+
+  constexpr int most = registers_at_once<V, N> * width;
+  const std::ptrdiff_t points = registers * width;
+  Stage<std::decay_t<decltype(out.stress)>, most> stress;
+  Stage<std::decay_t<decltype(out.G)>, most> G;
+  Stage<std::decay_t<decltype(out.tangent)>, most> moduli;
+  Stage<std::decay_t<decltype(out.scalars)>, most> scalars;
+  const Output to{stress.view(out.stress, i, points), G.view(out.G, i, points),
+                  moduli.view(out.tangent, i, points), scalars.view(out.scalars, i, points)};
   for (int k = 0; k < registers; ++k)
-    bad[k] = finish<tangent, measure>(common.material, begun[k], in, out, i + k * width);
+    bad[k] = finish<tangent, measure>(common.material, begun[k], in, to, i + k * width);
+  stress.flush();
+  G.flush();
+  moduli.flush();
+  scalars.flush();
 }
 
 /// What a register of fewer points than lanes reads and writes: arrays of its own, the last point repeated.

@@ -113,7 +113,7 @@ struct Aosoa {
   /// @endcond
 };
 /// An output in such blocks that lies on cache lines (64 bytes) and is written past the caches: for more
-/// points than caches hold. It saves the memory from reading what will be written over.
+/// points than caches hold. It saves the memory from reading what will be written over. Blocks of 16 or less.
 template <class V, int components, int block = 16>
 struct Streamed : Aosoa<V, components, block> {};
 /// The same for all points.
@@ -197,6 +197,8 @@ template <class Stress, class G_>
 Output(Stress, G_) -> Output<Stress, G_>;
 template <class Stress, class G_, class Tangent_>
 Output(Stress, G_, Tangent_) -> Output<Stress, G_, Tangent_>;
+template <class Stress, class G_, class Tangent_, class Scalars>
+Output(Stress, G_, Tangent_, Scalars) -> Output<Stress, G_, Tangent_, Scalars>;
 /// @endcond
 
 namespace detail {

@@ -190,9 +190,8 @@ struct Pack {
     for (int k = 0; k < parts; ++k) *reinterpret_cast<InMemory*>(to + k * width) = v[k];
   }
   /// To a multiple of a register's size, past the caches where the target can; fence() before others read it.
-  /// Packs that do not fill a cache line are stored as usual: parts of lines past the caches are slow.
+  /// (Whole cache lines, 64 bytes, or it is slow.)
   void stream(V* to) const {
-    if constexpr (sizeof v < 64) return store(to);
 #if defined(__SSE2__)
     for (int k = 0; k < parts; ++k) {
       void* const at = to + k * width;
