@@ -15,7 +15,14 @@ extern "C" void BENCH_BATCH_PASS(int tangent, const BenchBatch* b) {
     if (tangent == 7) update_batch<Tangent::compact>(m, b->n, in, batch::Output{stress, G, compact});
     if (tangent == 36) update_batch<Tangent::full>(m, b->n, in, batch::Output{stress, G, full});
   };
-  if (b->past_caches) {
+  if (b->lambda_n) {
+    m.integration = TimeIntegration::midpoint_flow;
+    const batch::Input all{in.F, in.n0, in.G, in.dt, aosoa<1, bench_block>(b->lambda_n)};
+    update_batch<Tangent::full>(
+        m, b->n, all,
+        batch::Output{aosoa<6, bench_block>(b->stress), aosoa<1, bench_block>(b->G_end),
+                      aosoa<36, bench_block>(b->tangent)});
+  } else if (b->past_caches) {
     using batch::streamed;
     update(streamed<6, bench_block>(b->stress), streamed<1, bench_block>(b->G_end),
            streamed<7, bench_block>(b->tangent), streamed<36, bench_block>(b->tangent));

@@ -12,7 +12,8 @@ struct BenchBatch {
   double gamma;
   const double *F, *n0, *G, *dt;  ///< 9, 3 and 1 a point in blocks; 1
   double *stress, *G_end, *tangent;
-  int past_caches;  ///< outputs are streamed
+  int past_caches;         ///< outputs are streamed
+  const double* lambda_n;  ///< 1 a point; not null: the second-order step, with the full tangent
 };
 /// Numbers of the tangent a point: 0, 7 (compact) or 36 (DDSDDE).
 using BenchBatchPass = void(int tangent, const BenchBatch* batch);

@@ -20,7 +20,11 @@ constexpr int nstatv = 8;  ///< of libmyogrowth_umat: G, four results, the fibre
 constexpr double dtime = 0.1, G_max = 1.1, lambda_crit = 1.01;
 
 /// PROPS: Table 1 of the paper, but for gamma.
-inline std::vector<double> props(double gamma) { return {16, 4, 0.5, gamma, G_max, lambda_crit, 1, 0, 0}; }
+inline std::vector<double> props(double gamma, bool second_order = false) {
+  std::vector<double> all = {16, 4, 0.5, gamma, G_max, lambda_crit, 1, 0, 0};
+  if (second_order) all.insert(all.end(), {0, 0, 1});
+  return all;
+}
 
 /// Numbers that begin with a cache line, so that no pack lies across two.
 template <class T>
@@ -50,10 +54,11 @@ struct Points {
   Numbers F, n0;                ///< 9 and 3 a point
   Numbers G_n[n_growths];       ///< 1 a point
   Numbers statev_n[n_growths];  ///< nstatv a point
+  Numbers lambda_n;             ///< 1 a point: the stretch is held through the step
   Numbers F_blocks, n0_blocks;  ///< the same in blocks
 
   explicit Points(std::size_t size_)
-      : size(size_), F(9 * size), n0(3 * size), F_blocks(9 * size), n0_blocks(3 * size) {
+      : size(size_), F(9 * size), n0(3 * size), lambda_n(size), F_blocks(9 * size), n0_blocks(3 * size) {
     std::mt19937_64 random(20240607);
     std::uniform_real_distribution<double> unit(0, 1);
     const auto between = [&](double a, double b) { return a + (b - a) * unit(random); };
@@ -78,6 +83,7 @@ struct Points {
       const Matrix3d rotated = Eigen::AngleAxisd(between(0, 0.3), direction()) * deformation;
       Eigen::Map<Matrix3d>(F.data() + 9 * p) = rotated;
       Eigen::Map<Vector3d>(n0.data() + 3 * p) = n;
+      lambda_n[p] = (rotated * n).norm();
       for (std::size_t c = 0; c < 9; ++c) F_blocks[in_blocks(9, p, c)] = F[9 * p + c];
       for (std::size_t c = 0; c < 3; ++c) n0_blocks[in_blocks(3, p, c)] = n0[3 * p + c];
 
@@ -91,6 +97,7 @@ struct Points {
       for (int g = 0; g < n_growths; ++g) {
         double* statev = &statev_n[g][nstatv * p];
         statev[0] = G_n[g][p];
+        statev[2] = lambda_n[p];
         for (int i = 0; i < 3; ++i) statev[5 + i] = n[i];
       }
     }

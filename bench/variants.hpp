@@ -70,11 +70,13 @@ struct Variant {
   Reader read;
   bool with_tangent = true;
   Isa isa = Isa::base;
+  bool second_order = false;  ///< the second-order step
 };
 
-inline myogrowth::FibreGrowth<double> material(double gamma) {
+inline myogrowth::FibreGrowth<double> material(double gamma, bool second_order = false) {
   myogrowth::FibreGrowth<double> m;
   m.growth.gamma = gamma;
+  if (second_order) m.integration = myogrowth::TimeIntegration::midpoint_flow;
   return m;
 }
 
@@ -83,14 +85,15 @@ inline myogrowth::FibreGrowth<double> material(double gamma) {
 inline void kernel_point(const Work& w, const myogrowth::FibreGrowth<double>& m, std::size_t p, double* tau,
                          double* c, double& G) {
   myogrowth::PointUpdate<double> u;
-  update_point(m, &w.points.F[9 * p], &w.points.n0[3 * p], w.points.G_n[w.growth][p], dtime, u);
+  update_point(m, &w.points.F[9 * p], &w.points.n0[3 * p], w.points.G_n[w.growth][p], w.points.lambda_n[p],
+               dtime, u);
   spatial_modulus(u, c);
   std::copy(u.tau, u.tau + 6, tau);
   G = u.G;
 }
 
-inline void kernel_pass(const Work& w) {
-  const auto m = material(w.gamma);
+inline void kernel_pass(bool second_order, const Work& w) {
+  const auto m = material(w.gamma, second_order);
   double *tau = memory.data(), *c = tau + 6 * w.points.size, *G = c + 36 * w.points.size;
   for (std::size_t p = w.first; p < w.last; ++p) kernel_point(w, m, p, tau + 6 * p, c + 36 * p, G[p]);
 }
@@ -117,8 +120,8 @@ inline Umat* load(const std::string& library) {
   return reinterpret_cast<Umat*>(symbol);
 }
 
-inline void umat_pass(Umat* umat, const Work& w) {
-  const std::vector<double> constants = props(w.gamma);
+inline void umat_pass(Umat* umat, bool second_order, const Work& w) {
+  const std::vector<double> constants = props(w.gamma, second_order);
   const int nprops = static_cast<int>(constants.size()), ndi = 3, nshr = 3, ntens = 6, statev_size = nstatv;
   const int number = 1;
   const double six[6] = {}, time[2] = {}, zero = 0, celent = 1, origin[3] = {};
@@ -147,10 +150,18 @@ inline Result umat_result(const Work& w, std::size_t p) {
   return r;
 }
 
-inline Variant umat_variant(const std::string& name, const std::string& library, double tolerance) {
+inline Variant umat_variant(const std::string& name, const std::string& library, double tolerance,
+                            bool second_order = false) {
   Umat* umat = load(library);
-  return {name,       9 + nstatv, 6 + 36 + nstatv, tolerance, [umat](const Work& w) { umat_pass(umat, w); },
-          umat_result};
+  return {name,
+          9 + nstatv,
+          6 + 36 + nstatv,
+          tolerance,
+          [=](const Work& w) { umat_pass(umat, second_order, w); },
+          umat_result,
+          true,
+          Isa::base,
+          second_order};
 }
 
 // --- the C API's many points, the arrays as a UMAT's
@@ -166,7 +177,7 @@ inline void update_n_pass(const Work& w) {
 
 // --- the batch, compiled for one instruction set, points in blocks
 
-inline void batch_pass(BenchBatchPass* pass, int tangent, const Work& w) {
+inline void batch_pass(BenchBatchPass* pass, int tangent, bool second_order, const Work& w) {
   double *stress = memory.data(), *moduli = stress + 6 * w.points.size, *G = moduli + 36 * w.points.size;
   const std::size_t m = w.first;
   const BenchBatch b{static_cast<long>(w.last - w.first),
@@ -178,7 +189,8 @@ inline void batch_pass(BenchBatchPass* pass, int tangent, const Work& w) {
                      stress + 6 * m,
                      G + m,
                      moduli + static_cast<std::size_t>(tangent) * m,
-                     w.points.size == streamed};
+                     w.points.size == streamed,
+                     second_order ? &w.points.lambda_n[m] : nullptr};
   pass(tangent, &b);
 }
 
@@ -204,15 +216,16 @@ inline Result batch_result(int tangent, const Work& w, std::size_t p) {
 }
 
 inline Variant batch_variant(const std::string& name, BenchBatchPass* pass, int tangent, Isa isa,
-                             double tolerance) {
+                             double tolerance, bool second_order = false) {
   return {name,
-          13,
+          second_order ? 14 : 13,
           7 + tangent,
           tolerance,
-          [=](const Work& w) { batch_pass(pass, tangent, w); },
+          [=](const Work& w) { batch_pass(pass, tangent, second_order, w); },
           [=](const Work& w, std::size_t p) { return batch_result(tangent, w, p); },
           tangent > 0,
-          isa};
+          isa,
+          second_order};
 }
 
 // --- all
@@ -223,7 +236,7 @@ constexpr double closed_form = 1e-10, by_differences = 1e-6;
 inline std::vector<Variant> ours() {
   std::vector<Variant> all = {
     umat_variant("umat_", "libmyogrowth_umat.so", closed_form),
-    {"kernel", 13, 43, closed_form, kernel_pass, kernel_result},
+    {"kernel", 13, 43, closed_form, [](const Work& w) { kernel_pass(false, w); }, kernel_result},
     {"myogrowth_update_n", 9 + nstatv, 42 + nstatv, closed_form, update_n_pass, umat_result, true,
      Isa::fastest},
     batch_variant("batch base, stress", bench_batch_base, 0, Isa::base, closed_form),
@@ -236,6 +249,15 @@ inline std::vector<Variant> ours() {
     batch_variant("batch AVX-512, stress", bench_batch_avx512, 0, Isa::avx512, closed_form),
     batch_variant("batch AVX-512, compact", bench_batch_avx512, 7, Isa::avx512, closed_form),
     batch_variant("batch AVX-512, full", bench_batch_avx512, 36, Isa::avx512, closed_form),
+#endif
+    umat_variant("umat_, second order", "libmyogrowth_umat.so", closed_form, true),
+    {"kernel, second order", 14, 43, closed_form, [](const Work& w) { kernel_pass(true, w); }, kernel_result,
+     true, Isa::base, true},
+    batch_variant("batch base, full, second order", bench_batch_base, 36, Isa::base, closed_form, true),
+#if defined(__x86_64__)
+    batch_variant("batch AVX2, full, second order", bench_batch_avx2, 36, Isa::avx2, closed_form, true),
+    batch_variant("batch AVX-512, full, second order", bench_batch_avx512, 36, Isa::avx512, closed_form,
+                  true),
 #endif
   };
   all.erase(std::remove_if(all.begin(), all.end(), [](const Variant& v) { return !has(v.isa); }), all.end());
@@ -256,7 +278,7 @@ inline std::vector<Variant> peers() {
 /// The largest difference from the kernel at point p: of stress in units of c2, of the modulus in those of
 /// its largest entry, of G. Infinite if any of them is not a number.
 inline double difference(const Variant& variant, const Work& w, std::size_t p) {
-  const auto m = material(w.gamma);
+  const auto m = material(w.gamma, variant.second_order);
   Result expected;
   kernel_point(w, m, p, expected.tau, expected.c, expected.G);
   const Result r = variant.read(w, p);

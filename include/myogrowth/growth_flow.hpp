@@ -35,7 +35,7 @@ struct Flow {
   };
   MYOGROWTH_FUNCTION At at(V w) const {
     const V u = u_n * exp(-w);
-    return {power(V((room_end + u) / eq.room_n), eq.gamma), q_end + eq.crit * u, eq.end - sign * u, u};
+    return {eq.to_gamma(V((room_end + u) * eq.per_room)), q_end + eq.crit * u, eq.end - sign * u, u};
   }
 };
 
