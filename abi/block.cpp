@@ -27,7 +27,7 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
     auto sum = at(b.stress);
     for (int c = 1; c < n_stress; ++c) sum = sum + at(b.stress + c * points);
     for (int c = 0; c < n_tangent; ++c) sum = sum + at(b.tangent + c * points);
-    return sum - sum;
+    return sum * decltype(sum)(0);  // NaN if it is not finite
   };
   using P = simd::Pack<double, simd::native_lanes<double>>;
   int k = 0;

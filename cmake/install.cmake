@@ -61,6 +61,10 @@ set(CPACK_PACKAGE_NAME myogrowth)
 set(CPACK_PACKAGE_VENDOR "the myogrowth authors")
 set(CPACK_PACKAGE_CONTACT "the myogrowth authors")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "stretch-driven skeletal-muscle growth: headers, UMAT, driver")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+    "A muscle that is held stretched grows: it adds sarcomeres in series. This is the constitutive law of that growth with
+its exact tangent, as a header-only C++ library; as user material routines for Abaqus, CalculiX and hosts alike (UMAT,
+VUMAT, a generic behaviour of MGIS) and behind a C interface; and a one-element driver to try it with.")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGE_FILE_NAME myogrowth-${PROJECT_VERSION}-${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR})
