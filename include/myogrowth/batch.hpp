@@ -29,9 +29,21 @@ namespace detail {
 using namespace myogrowth::detail;
 using namespace myogrowth::simd;
 
+/// Blocks are read and written by whole registers of N points.
+template <int N, class View>
+constexpr bool holds_registers(const View*) {
+  return true;
+}
+template <int N, class V, int components, int block>
+constexpr bool holds_registers(const Aosoa<V, components, block>*) {
+  return block % N == 0;
+}
+
 /// N points from point i on, as a pack: component c is read and written.
 template <class V, int N, class View>
 struct Points {
+  static_assert(holds_registers<N>(static_cast<View*>(nullptr)),
+                "a block must hold whole registers: choose a smaller N, or a longer block");
   typename View::Place at;
   Points(const View& view, std::ptrdiff_t i) : at(view.from(i)) {}
   Pack<V, N> load(int c) const { return Pack<V, N>::load(at(c)); }
@@ -126,13 +138,15 @@ Pack<V, N> long_step_start(const Common<V>& common, const Pack<V, N>& A, const P
 
 /// Where an output goes that is written past the caches: first into a buffer, for as many points as go
 /// through the stages together, and from there line by line. For other outputs there is nothing to it.
-template <class View, int points>
+template <class View, int width, int registers>
 struct Stage {
   const View& view(const View& out, std::ptrdiff_t, std::ptrdiff_t) { return out; }
   void flush() const {}
 };
-template <class W, int components, int block, int points>
-struct Stage<Streamed<W, components, block>, points> {
+template <class W, int components, int block, int width, int registers>
+struct Stage<Streamed<W, components, block>, width, registers> {
+  static_assert(block % width == 0,
+                "a block must hold whole registers: choose a smaller N, or a longer block");
   static constexpr int line = 64;  // bytes
   struct View {
     Aosoa<W, components, block> blocks;
@@ -140,18 +154,20 @@ struct Stage<Streamed<W, components, block>, points> {
     using Place = typename Aosoa<W, components, block>::Place;
     Place from(std::ptrdiff_t i) const { return blocks.from(i - first); }
   };
-  alignas(line) W buffer[points * components];
+  alignas(line) W buffer[width * registers * components];
   W* to = nullptr;
   std::ptrdiff_t count = 0;
+  static constexpr int per_line = line / static_cast<int>(sizeof(W));
   View view(const Streamed<W, components, block>& out, std::ptrdiff_t i, std::ptrdiff_t n) {
-    if (i % block != 0 || n % block != 0) return {{out.data}, 0};  // blocks in part are written as usual
+    const bool blocks = i % block == 0 && n % block == 0;
+    const bool lines = i * components % per_line == 0 && n * components % per_line == 0;
+    if (!blocks || !lines) return {{out.data}, 0};  // parts of them are written as usual
     to = out.data + i * components;
     count = n * components;
     return {{buffer}, i};
   }
   void flush() const {
-    constexpr int width = line / static_cast<int>(sizeof(W));
-    for (std::ptrdiff_t k = 0; k < count; k += width) Pack<W, width>::load(buffer + k).stream(to + k);
+    for (std::ptrdiff_t k = 0; k < count; k += per_line) Pack<W, per_line>::load(buffer + k).stream(to + k);
   }
 };
 
@@ -538,8 +554,7 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
 
 /// How many registers go through the stages together.
 template <class V, int N>
-constexpr int registers_at_once =
-    Pack<V, N>::parts < 8 ? 8 / Pack<V, N>::parts* Pack<V, N>::parts : Pack<V, N>::parts;
+constexpr int registers_at_once = Pack<V, N>::parts < 8 ? 8 - 8 % Pack<V, N>::parts : Pack<V, N>::parts;
 
 /// So many registers of points from point i on. Gives a bit of bad[register] for every lane that has to be
 /// done by update_one instead. All go through one stage before the next: a point's operations wait for each
@@ -556,12 +571,12 @@ MYOGROWTH_FLAT void update_registers(const Common<V>& common, std::ptrdiff_t i, 
   for (int k = registers; k % parts != 0; ++k) begun[k] = begun[0];  // to fill a pack
   for (int k = 0; k < registers; k += parts) grow<N>(common, begun + k);
 
-  constexpr int most = registers_at_once<V, N> * width;
+  constexpr int most = registers_at_once<V, N>;
   const std::ptrdiff_t points = registers * width;
-  Stage<std::decay_t<decltype(out.stress)>, most> stress;
-  Stage<std::decay_t<decltype(out.G)>, most> G;
-  Stage<std::decay_t<decltype(out.tangent)>, most> moduli;
-  Stage<std::decay_t<decltype(out.scalars)>, most> scalars;
+  Stage<std::decay_t<decltype(out.stress)>, width, most> stress;
+  Stage<std::decay_t<decltype(out.G)>, width, most> G;
+  Stage<std::decay_t<decltype(out.tangent)>, width, most> moduli;
+  Stage<std::decay_t<decltype(out.scalars)>, width, most> scalars;
   const Output to{stress.view(out.stress, i, points), G.view(out.G, i, points),
                   moduli.view(out.tangent, i, points), scalars.view(out.scalars, i, points)};
   for (int k = 0; k < registers; ++k)
