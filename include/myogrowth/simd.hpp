@@ -95,37 +95,24 @@ struct Mask {
 // What a target with mask registers has and the vector extensions have not: comparisons and the choice.
 namespace detail {
 
-template <class Type, class L, class V>
-Type less(const L& a, const L& b, V) {
+enum class Relation { less, less_or_equal, equal };
+template <Relation relation, class Type, class L, class V>
+Type compare(const L& a, const L& b, V) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
+  constexpr int code = relation == Relation::less            ? _CMP_LT_OQ
+                       : relation == Relation::less_or_equal ? _CMP_LE_OQ
+                                                             : _CMP_EQ_OQ;
   if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
-    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, code);
   else if constexpr (sizeof(L) == 64)
-    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
+    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, code);
   else
 #endif
+      if constexpr (relation == Relation::less)
     return a < b;
-}
-template <class Type, class L, class V>
-Type less_or_equal(const L& a, const L& b, V) {
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
-    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LE_OQ);
-  else if constexpr (sizeof(L) == 64)
-    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LE_OQ);
-  else
-#endif
+  else if constexpr (relation == Relation::less_or_equal)
     return a <= b;
-}
-template <class Type, class L, class V>
-Type equal(const L& a, const L& b, V) {
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-  if constexpr (sizeof(L) == 64 && sizeof(V) == 8)
-    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_EQ_OQ);
-  else if constexpr (sizeof(L) == 64)
-    return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_EQ_OQ);
   else
-#endif
     return a == b;
 }
 template <class Type, class L, class V>
@@ -245,25 +232,25 @@ struct Pack {
     for (int k = 0; k < parts; ++k) c.v[k] = -a.v[k];
     return c;
   }
-  friend Mask<V, N> operator<(const Pack& a, const Pack& b) {
-    Mask<V, N> m;
-    for (int k = 0; k < parts; ++k) m.v[k] = detail::less<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
-    return m;
-  }
+  friend Mask<V, N> operator<(const Pack& a, const Pack& b) { return compare<detail::Relation::less>(a, b); }
   friend Mask<V, N> operator<=(const Pack& a, const Pack& b) {
-    Mask<V, N> m;
-    for (int k = 0; k < parts; ++k)
-      m.v[k] = detail::less_or_equal<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
-    return m;
+    return compare<detail::Relation::less_or_equal>(a, b);
   }
   friend Mask<V, N> operator==(const Pack& a, const Pack& b) {
-    Mask<V, N> m;
-    for (int k = 0; k < parts; ++k) m.v[k] = detail::equal<typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
-    return m;
+    return compare<detail::Relation::equal>(a, b);
   }
   friend Mask<V, N> operator>(const Pack& a, const Pack& b) { return b < a; }
   friend Mask<V, N> operator>=(const Pack& a, const Pack& b) { return b <= a; }
   /// @}
+
+ private:
+  template <detail::Relation relation>
+  static Mask<V, N> compare(const Pack& a, const Pack& b) {
+    Mask<V, N> m;
+    for (int k = 0; k < parts; ++k)
+      m.v[k] = detail::compare<relation, typename Mask<V, N>::Type>(a.v[k], b.v[k], V());
+    return m;
+  }
 };
 
 /// Lane by lane.
