@@ -288,7 +288,7 @@ MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, cons
   const T h12 = half_c2 * u.be[3], h13 = half_c2 * u.be[4], h23 = half_c2 * u.be[5];
   const T* g = u.dtau_dG;
   const bool grows = !is_zero(u.dG_dlambda);
-  const T weight = grows ? T(factor * u.dG_dlambda / u.lambda) : zero;
+  const T weight = grows ? T((factor / u.lambda) * u.dG_dlambda) : zero;  // (what is known last comes last)
   // Column j, the elastic part given: what growth adds is dtau/dG times (f⊗f)_j.
   const auto column = [&](int j, const T& e1, const T& e2, const T& e3, const T& e4, const T& e5,
                           const T& e6) {
