@@ -93,6 +93,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flo
   const BracketedEquation<V, sign>& eq = flow.eq;
   const V panel = flow_panel(eq.gamma);
   int iterations = 0;
+  const FlowResult<V> ended{eq.end, flow.q_end > 0 ? V(0) : 1 / eq.crit, V(0), iterations};
+  if (!is_finite(a)) return ended;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
   const auto arrive = [&](V w, V sensitivity) -> FlowResult<V> {
     const typename Flow<V, sign>::At at = flow.at(w);
     const V speed = at.kappa * at.q / at.g;
@@ -122,7 +124,6 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flo
   const V most = 2 * log(std::numeric_limits<V>::max());  // for an end so near 0 that its rounding is 0
   const V w_end = below_rounding < most ? below_rounding : most;
   V w = 0, time = 0, sensitivity = 0;
-  const FlowResult<V> ended{eq.end, flow.q_end > 0 ? V(0) : 1 / eq.crit, V(0), iterations};
   while (w < w_end) {
     ++iterations;
     const FlowIntegrals<V> whole = integrate(flow, w, w + panel);

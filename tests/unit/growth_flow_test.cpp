@@ -73,6 +73,17 @@ TEST(GrowthFlow, TwoStepsAreOne) {
   }
 }
 
+TEST(GrowthFlow, AGrowthNumberBeyondAllNumbersEndsTheWay) {
+  const RemovalRate<> none;
+  GrowthRate<> thin{0.5, 150, 1.00003, 1.01};  // k_g(0.76) is 8,000^150
+  EXPECT_EQ(flow_growth(thin, none, 0.76, 2.0, 1e-8).G, thin.G_max);
+  EXPECT_EQ(flow_growth(thin, none, 0.76, 2.0, 1e-8).dG_dlambda, 0);
+  EXPECT_DOUBLE_EQ(flow_growth(thin, none, 0.76, 0.9, 1e-8).G, 0.9 / thin.lambda_crit);
+  EXPECT_DOUBLE_EQ(flow_growth(thin, none, 0.76, 0.9, 1e-8).dG_dlambda, 1 / thin.lambda_crit);
+  const double forever = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(flow_growth(GrowthRate<>(), none, 1.0, 2.0, forever).G, GrowthRate<>().G_max);
+}
+
 TEST(GrowthFlow, SlopeAndBounds) {
   samples::Random r(73);
   for (int i = 0; i < 3000; ++i) {
