@@ -72,6 +72,8 @@ def print_times(variants):
         print(f"\nns a point, {where}, {threads} thread{'s' * (threads > 1)} (in brackets: over {REFERENCE})")
         print(f"{'':32}" + "".join(f"{f'{c.growth}, {c.gamma:g}':>17}" for c in columns))
         for variant, times in variants.items():
+            if not any(c in times for c in columns):
+                continue
             row = ""
             for c in columns:
                 r = ratio(variants, variant, c) if c in times else None

@@ -220,8 +220,8 @@ MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> activ
     G.v[k] = begun[k].G.v[0];
   }
   const P room_n = select(active, limit - G_n, one), per_room = one / room_n;
-  Mask<V, N> no_matter = active;
-  growth_number(common, room_n, dt, A, E, no_matter);
+  Mask<V, N> out_of_range = active;  // (which grow_pack knows)
+  growth_number(common, room_n, dt, A, E, out_of_range);
   const P end = min(P(lambda * P(common.per_crit)), limit);
   const auto is_long = active & (A * (lambda - crit * G_n) > E * G_n * (end - G_n));
   P start = G_n;
@@ -613,6 +613,8 @@ constexpr int n_tangent = tangent == Tangent::compact       ? 7
                           : measure == Measure::first_piola ? 81
                                                             : 36;
 
+/// Fewer points than a register has, from point i on. Returns a bit for each that has to be done by
+/// update_one.
 template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
 MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i, int points, const In& in,
                                        const Out& out) {

@@ -97,7 +97,8 @@ struct Aos {
   MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i * components}; }
   /// @endcond
 };
-/// Blocks of `block` points, a multiple of the lanes; in a block one component after the other. The fastest.
+/// Blocks of `block` points, a multiple of a register's lanes; in a block one component after the other. The
+/// fastest.
 template <class V, int components, int block = 16>
 struct Aosoa {
   V* data;  ///< component 0 of point 0
