@@ -49,10 +49,42 @@ MYOGROWTH_LIKE_PRINTF inline bool tell(Text& text, const char* format, ...) {
   return true;
 }
 
+/// What may be written of a number: 9 digits, fewer if the host's numbers have fewer.
+template <class R>
+constexpr int digits() {
+  return std::numeric_limits<R>::digits10 < 9 ? std::numeric_limits<R>::digits10 : 9;
+}
+
+/// Says that x is not allowed for entry i of PROPS, which goes by its symbol, "G_max = 0.9: ...", or by a
+/// place, "PROPS(5) = 0.9: G_max, ...".
+inline bool tell_bad_entry(int i, double x, Text& text, const char* place = nullptr,
+                           int n_digits = digits<double>()) {
+  const Property& p = property(i);
+  return tell(text, "%s = %.*g: %s%s%s, must be finite and %s.", place ? place : p.symbol, n_digits, x,
+              place ? p.symbol : "", place ? ", " : "", p.meaning, abi::text(p.allowed));
+}
+
+/// True, and the text, if the material may not have x as its parameter of entry i: for readers that take one
+/// parameter at a time. Removal's are checked whether or not it is on.
+inline bool find_value_fault(const FibreGrowth<double>& material, int i, double x, Text& text) {
+  double p[n_props];
+  write(material, p);
+  p[i] = x;
+  return !(is_finite(x) && is_in_range(property(i).allowed, x, p)) && tell_bad_entry(i, x, text);
+}
+
+/// True, and the text, if a parameter of the material is not allowed: the same check in the same words for
+/// programs that have no PROPS.
+inline bool find_material_fault(const FibreGrowth<double>& material, Text& text) {
+  double p[n_props];
+  write(material, p);
+  const int bad = find_bad_entry(p);
+  return bad >= 0 && tell_bad_entry(bad, p[bad], text);
+}
+
 /// Reads PROPS(1:nprops) with its options. True, and the text, if entries are missing or one is not allowed.
 template <class R>
 MYOGROWTH_APART bool find_fault_among_all(const R* props, int nprops, Properties& properties, Text& text) {
-  constexpr int digits = std::numeric_limits<R>::digits10 < 9 ? std::numeric_limits<R>::digits10 : 9;
   if (nprops < n_props_required) {
     return tell(text,
                 "NPROPS = %d: at least %d constants are needed: c1, c2, tau, gamma, G_max, lambda_crit.",
@@ -69,14 +101,14 @@ MYOGROWTH_APART bool find_fault_among_all(const R* props, int nprops, Properties
     known[i] = i < nprops ? static_cast<double>(props[i]) : property(i).initial;
   const int bad = read(known, properties);
   if (bad >= 0) {
-    const Property& p = property(bad);
-    return tell(text, "PROPS(%d) = %.*g: %s, %s, must be finite and %s.", bad + 1, digits, known[bad],
-                p.symbol, p.meaning, abi::text(p.allowed));
+    char place[16];
+    std::snprintf(place, sizeof place, "PROPS(%d)", bad + 1);
+    return tell_bad_entry(bad, known[bad], text, place, digits<R>());
   }
   for (int i = n_props; i < nprops; ++i) {
     if (props[i] != 0) {
       return tell(text, "PROPS(%d) = %.*g: this version knows %d constants; further ones must be 0.", i + 1,
-                  digits, static_cast<double>(props[i]), n_props);
+                  digits<R>(), static_cast<double>(props[i]), n_props);
     }
   }
   return false;

@@ -107,8 +107,7 @@ bool find_properties_fault(const double* given, abi::Properties& properties, abi
   }
   const int bad = abi::read(known, properties);
   if (bad >= 0) {
-    return abi::tell(text, "%s = %.9g: %s, must be finite and %s.", abi::property(bad).symbol, known[bad],
-                     abi::property(bad).meaning, abi::text(abi::property(bad).allowed));
+    return abi::tell_bad_entry(bad, known[bad], text);
   }
   const double* n0 = properties.n0;
   if (n0[0] == 0 && n0[1] == 0 && n0[2] == 0) {

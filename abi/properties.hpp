@@ -3,6 +3,7 @@
 #ifndef MYOGROWTH_ABI_PROPERTIES_HPP
 #define MYOGROWTH_ABI_PROPERTIES_HPP
 
+#include <cstring>
 #include <myogrowth/kernel.hpp>
 #include <utility>
 
@@ -101,6 +102,14 @@ inline const Property& property(int i) noexcept { return Tables<>::property[i]; 
 /// Entry i < n_statev of STATEV.
 inline const StateVariable& state_variable(int i) noexcept { return Tables<>::state_variable[i]; }
 
+/// Index in PROPS of the entry of that symbol; -1 if there is none.
+inline int find_property(const char* symbol) {
+  for (int i = 0; i < n_props; ++i) {
+    if (std::strcmp(symbol, property(i).symbol) == 0) return i;
+  }
+  return -1;
+}
+
 /// What is allowed, in words.
 inline const char* text(Allowed allowed) {
   switch (allowed) {
@@ -185,6 +194,34 @@ inline void take_plain(const double* p, Properties& out) {
   for (int i = 0; i < 3; ++i) out.n0[i] = p[6 + i];
 }
 
+/// Index of the first entry that is not allowed; -1 if all are.
+inline int find_bad_entry(const double (&p)[n_props]) {
+  for (int i = 0; i < n_props; ++i) {
+    if (!is_allowed(i, p)) return i;
+  }
+  return -1;
+}
+
+/// The material's parameter that entry i of PROPS sets; null where that entry is an option or n0.
+inline double* parameter(FibreGrowth<double>& m, int i) {
+  double* const of_muscle[] = {&m.c1,           &m.c2,           &m.growth.growth_time,
+                               &m.growth.gamma, &m.growth.G_max, &m.growth.lambda_crit};
+  double* const of_removal[] = {&m.removal.removal_time, &m.removal.gamma, &m.removal.G_min,
+                                &m.removal.lambda_crit};
+  if (0 <= i && i < n_props_required) return of_muscle[i];
+  if (tau_rev_entry <= i && i < hybrid_entry) return of_removal[i - tau_rev_entry];
+  return nullptr;
+}
+
+/// PROPS of a material, for those who have no PROPS and want its checks; what is not the material's takes its
+/// default.
+inline void write(const FibreGrowth<double>& material, double (&p)[n_props]) {
+  FibreGrowth<double> m = material;
+  for (int i = 0; i < n_props; ++i) p[i] = parameter(m, i) ? *parameter(m, i) : property(i).initial;
+  p[10] = m.energy == EnergyPer::grown_volume;
+  p[11] = m.integration == TimeIntegration::midpoint_flow;
+}
+
 /// Reads PROPS that end before the options. False if one is not allowed.
 inline bool read_plain(const double (&p)[n_props_plain], Properties& out) {
   take_plain(p, out);
@@ -196,9 +233,8 @@ inline bool read_plain(const double (&p)[n_props_plain], Properties& out) {
 /// Reads PROPS, all of it. Returns the index of the first entry that is not allowed, or -1 if all are.
 inline int read(const double (&p)[n_props], Properties& out) {
   if (!all_allowed(p, std::make_integer_sequence<int, n_props>())) {
-    for (int i = 0; i < n_props; ++i) {
-      if (!is_allowed(i, p)) return i;
-    }
+    const int bad = find_bad_entry(p);
+    if (bad >= 0) return bad;  // else the sum only is not finite
   }
   take_plain(p, out);
   out.local_basis = p[9] != 0;
