@@ -9,6 +9,9 @@ import pathlib
 import subprocess
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "examples/common"))
+from eq4 import exact, stretch  # noqa: E402
+
 CASE = """! The paper's cube test, written by ./run cube
 &material
   props = {c1!r}, {c2!r}, {tau!r}, {gamma!r}, {G_max!r}, {lambda_crit!r}, 1.0, 0.0, 0.0   ! fibre along x
@@ -55,39 +58,6 @@ def arguments():
     if not 0 <= a.ramp <= a.duration:
         p.error(f"--ramp = {a.ramp}: must be between 0 and --duration = {a.duration}")
     return a
-
-
-def stretch(a, t):
-    return a.stretch if t >= a.ramp else 1 + (a.stretch - 1) * t / a.ramp
-
-
-def exact(a, times):
-    """G at the increasing times, by the classical Runge-Kutta method in steps far below its own error."""
-
-    def rate(t, G):
-        capacity = max(a.G_max - G, 0.0) / (a.G_max - 1)
-        if capacity == 0:
-            return 0.0
-        return capacity**a.gamma * max(stretch(a, t) / G - a.lambda_crit, 0.0) / a.tau
-
-    # The rate has a kink where the ramp crosses the threshold and where it ends: steps end there.
-    knots = {a.ramp}
-    if a.stretch > a.lambda_crit:
-        knots.add(a.ramp * (a.lambda_crit - 1) / (a.stretch - 1))
-    G, t, result = 1.0, 0.0, {}
-    for end in sorted(knots | set(times)):
-        n = 8
-        h = (end - t) / n
-        for i in range(n if h > 0 else 0):
-            s = t + i * h
-            k1 = rate(s, G)
-            k2 = rate(s + h / 2, G + h / 2 * k1)
-            k3 = rate(s + h / 2, G + h / 2 * k2)
-            k4 = rate(s + h, G + h * k3)
-            G += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        t = end
-        result[end] = G
-    return [result[t] for t in times]
 
 
 def run(a):

@@ -5,7 +5,6 @@ files and cylinder.pvd for ParaView, fields.npz, and figures. Needs a ccx that c
 libMYOGROWTH.so.
 """
 import argparse
-import json
 import math
 import os
 import pathlib
@@ -22,12 +21,16 @@ import deck
 import figures
 import frd
 import history
+import kept
 import vtu
+from shared import files
 
+FIELDS = ("DISP", "STRESS", "FORC", "SDV")  # of the nodes, in the .frd of every leg
 LIBRARY = "libMYOGROWTH.so"
+MOST_THREADS = 256
 
 
-class JobError(Exception):
+class JobError(files.FileError):
     """What ended the job, in words for the user."""
 
 
@@ -66,20 +69,29 @@ def arguments():
 
     for name in ("ramp", "duration", "pull", "fibre_angle", "tendon_length", "tendon_stiffness", "tau"):
         check(name, math.isfinite(getattr(a, name)), "finite")
-    check("ramp", a.ramp > 0, "> 0")
+    # CalculiX prints times with seven digits: they must tell the increments of a ramp apart to the end.
+    check("ramp", 1e-4 <= a.ramp <= 3650, "> 0, at least 0.0001 and at most 3650")
     check("duration", a.duration >= a.ramp, f">= --ramp = {a.ramp:g}")
+    check("duration", a.duration <= 3650, "<= 3650, ten years")
     check("pull", 0 < a.pull <= 200, "> 0 and <= 200")
     check("fibre_angle", 0 <= a.fibre_angle < 90, ">= 0 and < 90")
     check("tendon_length", 0 < a.tendon_length < 200, "> 0 and < 200")
-    check("tendon_stiffness", a.tendon_stiffness > 0, "> 0")
+    check("tendon_stiffness", 0 < a.tendon_stiffness <= 1e6, "> 0 and <= 1e6")
     check("tau", a.tau > 0, "> 0")
-    check("threads", a.threads > 0, "> 0")
-    check("ccx", a.ccx.is_file() and os.access(a.ccx, os.X_OK), "an executable file")
-    check("library_dir", (a.library_dir / LIBRARY).is_file(), f"a folder with {LIBRARY}")
+    check("tau", 1e-3 <= a.tau <= 1e6, ">= 0.001 and <= 1e6")
+    check("threads", 0 < a.threads <= MOST_THREADS, f"> 0 and <= {MOST_THREADS}")
+    check_programs(p, a)
     return a
 
 
-class Interrupted(JobError):
+def check_programs(p, a):
+    if not (a.ccx.is_file() and os.access(a.ccx, os.X_OK)):
+        p.error(f"--ccx = {a.ccx}: must be an executable file")
+    if not (a.library_dir / LIBRARY).is_file():
+        p.error(f"--library-dir = {a.library_dir}: must be a folder with {LIBRARY}")
+
+
+class Interrupted(Exception):
     """Ctrl-C, or a request to end."""
 
 
@@ -114,8 +126,24 @@ def errors_in(log):
     return "\n".join(line for line in shown if line.strip())
 
 
-def run_leg(a, folder, name, gauss, progress):
-    """Runs ccx on <name>.inp. Rows of the history, one for every increment, and the last state of the Gauss points."""
+def fields_of(path, mesh, day):
+    """The last step of a .frd, which must have all fields in all nodes of the mesh on that day."""
+    results = frd.read_frd(path)
+    for name, cells, wanted in (("C3D8", results.hexes, mesh.hexes), ("C3D6", results.wedges, mesh.wedges)):
+        if not np.array_equal(cells, wanted):
+            raise JobError(f"{path}: the {name} are not those of the mesh")
+    if not results.steps or not kept.ends_on(results.steps[-1].time, day):
+        raise JobError(f"{path}: ends on day {results.steps[-1].time if results.steps else 0:g}, not on day {day:g}")
+    for name in FIELDS:
+        values = results.steps[-1].fields.get(name)
+        if values is None or not np.isfinite(values).all():
+            raise JobError(f"{path}: has no {name}" + ("" if values is None else " in some of the nodes"))
+    return results.steps[-1]
+
+
+def run_leg(a, folder, name, mesh, gauss, end, progress):
+    """Runs ccx on <name>.inp. Rows of the history, one for every increment, and the last state of the Gauss points, once
+    all that ccx should have written to the day `end` is there."""
     path = os.pathsep.join(filter(None, [str(a.library_dir.resolve()), os.environ.get("LD_LIBRARY_PATH")]))
     environment = {**os.environ, "OMP_NUM_THREADS": str(a.threads), "LD_LIBRARY_PATH": path}
     log, dat = folder / f"{name}.log", frd.Dat(folder / f"{name}.dat")
@@ -140,7 +168,7 @@ def run_leg(a, folder, name, gauss, progress):
     with open(log, "wb") as out:
         # In a session of its own, so that Ctrl-C comes to us alone and we end it.
         ccx = subprocess.Popen([a.ccx.resolve(), name], cwd=folder, stdout=out, stderr=subprocess.STDOUT,
-                               stdin=subprocess.DEVNULL, env=environment, start_new_session=True)
+                               stdin=subprocess.DEVNULL, env=environment, start_new_session=True, pass_fds=files.locks())
         try:
             while ccx.poll() is None:
                 follow(job_has_ended=False)
@@ -150,29 +178,34 @@ def run_leg(a, folder, name, gauss, progress):
                 ccx.kill()
                 ccx.wait()
     if ccx.returncode != 0:
-        raise JobError(f"ccx ended with status {ccx.returncode}; {log} says:\n{errors_in(log)}")
+        raise JobError(f"ccx {files.ended(ccx.returncode)}; {log} says:\n{errors_in(log)}")
     follow(job_has_ended=True)
     if not rows:
         raise JobError(f"ccx printed no results; {log} says:\n{errors_in(log)}")
+    if not kept.ends_on(rows[-1][0], end):
+        raise JobError(f"{dat.path} ends on day {rows[-1][0]:g}, not on day {end:g}; {log} says:\n{errors_in(log)}")
+    fields_of(folder / f"{name}.frd", mesh, end)
     progress.tell(rows[-1], line_stays=True)
     return rows, state.values
 
 
 def start_folder(a, case):
-    """The folder of ccx's files, empty but for what --resume goes on from."""
-    folder, saved = a.out / "ccx", a.out / "case.json"
+    """The folder of ccx's files, empty but for what --resume goes on from. No results are left in a.out until this run
+    has its own."""
     if a.resume:
-        if not saved.is_file():
+        if not (a.out / "case.json").is_file():
             raise JobError(f"--resume: there is no run in {a.out}")
-        old = json.loads(saved.read_text())
-        for name, value in case._asdict().items():
-            if old.get(name) != value:
-                raise JobError(f"--resume: the run in {a.out} has {name} = {old.get(name)}, not {value}")
-    folder.mkdir(parents=True, exist_ok=True)
+        different = kept.differences(kept.read_case(a.out), case)
+        if different:
+            raise JobError(f"--resume: the run in {a.out} has {different}")
+    files.make_folder(a.out)
+    folder = files.make_folder(a.out / "ccx")
+    files.lock(folder / "lock")
+    files.remove([*a.out.glob("day_*.vtu"), *(a.out / name for name in ("history.csv", "cylinder.pvd", "fields.npz",
+                                                                       *figures.NAMES))])
     if not a.resume:
-        for path in [*folder.glob("leg*"), *a.out.glob("day_*.vtu")]:
-            path.unlink()
-        saved.write_text(json.dumps(case._asdict(), indent=1) + "\n")
+        files.remove(folder.glob("leg*"))
+        kept.write_case(a.out, case)
     return folder
 
 
@@ -184,26 +217,29 @@ def run_legs(a, case, mesh, gauss, folder, progress_of=Progress):
     progress = progress_of(sum(planned))
     all_rows, states = [], []
     for k, (start, end) in enumerate(legs):
-        name, result = f"leg{k}", folder / f"leg{k}.npz"
+        name, result, inp = f"leg{k}", folder / f"leg{k}.npz", deck.leg(case, mesh, k)
         if a.resume and result.is_file():
-            kept = np.load(result)
-            rows, state = kept["rows"].tolist(), kept["state"]
+            rows, state, restart = kept.read_leg(result, inp, folder / f"{name}.frd", len(gauss.places), end)
             progress.skip(planned[k])
         else:
+            rin = folder / f"{name}.rin"
+            if a.resume and k > 0 and kept.digest(files.read_bytes(rin)) != restart:
+                raise JobError(f"{rin}: is cut, or not the one that this run wrote: {kept.AGAIN}")
             for path in folder.glob(f"{name}.*"):
                 if path.suffix != ".rin":
                     path.unlink()
-            (folder / f"{name}.inp").write_text(deck.leg(case, mesh, k), encoding="ascii")
+            files.write_text(folder / f"{name}.inp", inp, encoding="ascii")
             try:
-                rows, state = run_leg(a, folder, name, gauss, progress)
+                rows, state = run_leg(a, folder, name, mesh, gauss, end, progress)
             except KeyboardInterrupt:
                 raise Interrupted(f"\ninterrupted between day {start:g} and {end:g}; to go on from day {start:g}: "
                                "the same command with --resume") from None
-            np.savez(folder / f"{name}.part.npz", rows=rows, state=state.astype(np.float32))
-            if k + 1 < len(legs):
-                os.replace(folder / f"{name}.rout", folder / f"leg{k + 1}.rin")
-            # From here on the leg is done: its prints are in the .npz, and its own start is needed no more.
-            os.replace(folder / f"{name}.part.npz", result)
+            # From when the .npz is there the leg is done: its prints are in it, and its own start is needed no more.
+            with files.writing(result) as part:
+                rout = folder / f"{name}.rout" if k + 1 < len(legs) else None
+                restart = kept.write_leg(part, rows, state, inp, folder / f"{name}.frd", rout)
+                if rout:
+                    os.replace(rout, folder / f"leg{k + 1}.rin")
             for suffix in (".dat", ".rin", ".rout"):
                 (folder / f"{name}{suffix}").unlink(missing_ok=True)
         all_rows += rows
@@ -213,22 +249,19 @@ def run_legs(a, case, mesh, gauss, folder, progress_of=Progress):
 
 def write_results(a, case, mesh, gauss, stiff, folder, rows, states):
     history.write(a.out / "history.csv", rows)
-    times, files, displacements = [], [], []
+    times, written, displacements = [], [], []
     for k, (_, day) in enumerate(deck.leg_times(case)):
-        results = frd.read_frd(folder / f"leg{k}.frd")
-        for name, cells, wanted in (("C3D8", results.hexes, mesh.hexes), ("C3D6", results.wedges, mesh.wedges)):
-            if not np.array_equal(cells, wanted):
-                raise JobError(f"the {name} of leg{k}.frd are not those of the mesh")
-        fields = results.steps[-1].fields
+        step = fields_of(folder / f"leg{k}.frd", mesh, day)
+        fields = step.fields
         times.append(day)
-        files.append(a.out / f"day_{day:g}.vtu")
-        vtu.write_fields(files[-1], mesh, fields, results.steps[-1].components, gauss.element_means(states[k]), stiff,
-                         deck.fibre(case))
+        written.append(a.out / f"day_{day:g}.vtu")
+        vtu.write_fields(written[-1], mesh, fields, step.components, gauss.element_means(states[k]), stiff, deck.fibre(case))
         displacements.append(fields["DISP"].astype(np.float32))
-    vtu.write_collection(a.out / "cylinder.pvd", times, files)
-    np.savez_compressed(a.out / "fields.npz", times=times, names=deck.STATE, displacement=displacements, gauss=states,
-                        element=gauss.elements, point=gauss.numbers, place=gauss.places, volume=gauss.volumes,
-                        muscle=gauss.muscle)
+    vtu.write_collection(a.out / "cylinder.pvd", times, written)
+    with files.writing(a.out / "fields.npz") as part:
+        np.savez_compressed(part, times=times, names=deck.STATE, displacement=displacements, gauss=states,
+                            element=gauss.elements, point=gauss.numbers, place=gauss.places, volume=gauss.volumes,
+                            muscle=gauss.muscle)
 
 
 def job(a):
@@ -238,9 +271,14 @@ def job(a):
     if case.ends == "tendon" and not stiff.any():
         raise JobError(f"--tendon-length = {case.tendon_length:g}: must be more than half the height of the first layer, "
                        f"{mesh.levels[1]:g} mm")
+    if stiff.all():
+        raise JobError(f"--tendon-length = {case.tendon_length:g}: leaves no layer of muscle between the tendons")
     folder = start_folder(a, case)
     gauss = history.GaussPoints(mesh, stiff)
     print(f"{len(mesh.hexes)} C3D8 and {len(mesh.wedges)} C3D6, {len(mesh.nodes)} nodes, {a.threads} threads", flush=True)
+    if stiff.any():
+        layers = len(np.unique(mesh.layer_of_elements()[stiff])) // 2
+        print(f"tendon: {layers} layers at either end, {mesh.levels[layers]:g} mm of it", flush=True)
     rows, states = run_legs(a, case, mesh, gauss, folder)
     write_results(a, case, mesh, gauss, stiff, folder, rows, states)
     peak = max(rows, key=lambda r: r[2])
@@ -257,13 +295,11 @@ def main():
     a = arguments()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: ccx must not live on without us
     try:
-        job(a)
+        with files.faults_in_one_line(os.environ.get("MYOGROWTH_JOB", "cylinder.py")):
+            job(a)
     except Interrupted as e:
         print(e, file=sys.stderr)
         sys.exit(130)
-    except (JobError, frd.FormatError, ValueError, OSError) as e:
-        print(e, file=sys.stderr)
-        sys.exit(1)
     except KeyboardInterrupt:  # while the results were written
         sys.exit(130)
 

@@ -3,11 +3,14 @@
 mesh(size) gives C3D8 and C3D6 in layers along z. `paper` has as many of each as the paper: 38,556 = 204 x 189 and
 14,931 = 79 x 189. The paper does not show its disc; this one has a node in the centre and rings around it.
 """
+import argparse
+import io
 import math
-import sys
 from typing import NamedTuple
 
 import numpy as np
+
+from shared import files
 
 LENGTH, RADIUS = 400.0, 10.0  # mm
 
@@ -147,13 +150,21 @@ def sweep(size, levels):
 def write_text(path, m):
     """The mesh as plain text, for programs that read no deck (examples/dealii): nodes, then hexahedra and wedges by their
     nodes, counted from 0."""
-    with open(path, "w", encoding="ascii") as f:
-        for name, rows, form in (("nodes", m.nodes, "%.17g"), ("hexes", m.hexes, "%d"), ("wedges", m.wedges, "%d")):
-            f.write(f"{name} {len(rows)}\n")
-            np.savetxt(f, rows, fmt=form)
+    f = io.StringIO()
+    for name, rows, form in (("nodes", m.nodes, "%.17g"), ("hexes", m.hexes, "%d"), ("wedges", m.wedges, "%d")):
+        f.write(f"{name} {len(rows)}\n")
+        np.savetxt(f, rows, fmt=form)
+    files.write_text(path, f.getvalue())
+
+
+def main():
+    p = argparse.ArgumentParser(description="Writes the mesh as plain text: nodes, hexahedra, wedges.")
+    p.add_argument("size", choices=SIZES)
+    p.add_argument("file", metavar="FILE")
+    a = p.parse_args()
+    write_text(a.file, mesh(a.size))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3 or sys.argv[1] not in SIZES:
-        sys.exit(f"usage: cylinder_mesh.py {'|'.join(SIZES)} FILE")
-    write_text(sys.argv[2], mesh(sys.argv[1]))
+    with files.faults_in_one_line("cylinder_mesh.py"):
+        main()

@@ -49,11 +49,15 @@ def fibre(case):
 
 
 def tendon(case, mesh):
-    """(elements,) true for those of the stiff layers at the ends."""
-    if case.ends != "tendon":
-        return np.zeros(len(mesh.hexes) + len(mesh.wedges), dtype=bool)
-    middle = (mesh.levels[1:] + mesh.levels[:-1]) / 2
-    return (np.minimum(middle, cylinder_mesh.LENGTH - middle) < case.tendon_length)[mesh.layer_of_elements()]
+    """(elements,) true for those of the stiff layers at the ends: whole layers, as many at either end, whose middle is
+    nearer to the end than the tendon's length. A middle at that length, to rounding, does not count."""
+    layers = np.zeros(len(mesh.levels) - 1, dtype=bool)
+    if case.ends == "tendon":
+        heights = np.diff(mesh.levels)
+        middle = mesh.levels[:-1] + heights / 2
+        n = int(np.count_nonzero(middle < case.tendon_length - 1e-6 * heights))
+        layers[:n] = layers[len(layers) - n:] = True
+    return layers[mesh.layer_of_elements()]
 
 
 def output_times(case):

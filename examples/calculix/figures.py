@@ -2,9 +2,8 @@
 
     figures.py OUT      fig1_mesh.png, fig2_elastic_stretch.png, fig3_sections.png, fig4_sarcomere_number.png in OUT
 """
-import json
+import argparse
 import pathlib
-import sys
 
 import matplotlib
 
@@ -18,12 +17,13 @@ import cylinder_mesh  # noqa: E402
 import deck  # noqa: E402
 import elements  # noqa: E402
 import history  # noqa: E402
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "common"))
+import kept  # noqa: E402
+from shared import files  # noqa: E402
 from pictures import BLUE, GREEN, LAYOUT, ORANGE, PURPLE, save  # noqa: E402
 
 COLOURS = matplotlib.colormaps["viridis"]
 CLOSE_UP = 25.0  # mm, of each end
+NAMES = ("fig1_mesh.png", "fig2_elastic_stretch.png", "fig3_sections.png", "fig4_sarcomere_number.png")
 COMPRESSED = 5.0  # how many times shorter the axis is in the whole view than the radius
 
 
@@ -261,11 +261,11 @@ def draw_sections(path, case, fields, name, label, title):
 def draw(out):
     """Draws all figures into the folder of the run; their names."""
     out = pathlib.Path(out)
-    case = deck.Case(**json.loads((out / "case.json").read_text()))
+    case = kept.read_case(out)
     h = history.read(out / "history.csv")
-    fields = np.load(out / "fields.npz")
+    fields = kept.arrays(out / "fields.npz", "times", "names", "displacement", "gauss", "muscle")
     stretch = 1 + case.pull / cylinder_mesh.LENGTH
-    names = ["fig1_mesh.png", "fig2_elastic_stretch.png", "fig3_sections.png", "fig4_sarcomere_number.png"]
+    names = list(NAMES)
     with matplotlib.rc_context(LAYOUT):
         draw_mesh(out / names[0], case)
         draw_history(out / names[1], case, h, "lambda_e", r"elastic fibre stretch $\lambda_e$ [-]",
@@ -280,4 +280,7 @@ def draw(out):
 
 
 if __name__ == "__main__":
-    draw(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("out", metavar="OUT", help="folder of the run")
+    with files.faults_in_one_line("figures.py"):
+        draw(parser.parse_args().out)

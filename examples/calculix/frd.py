@@ -3,16 +3,19 @@
     results = read_frd("job.frd")     results.nodes, results.hexes, results.wedges, results.steps[-1].fields["DISP"]
     for p in Dat("job.dat").read(): p.name, p.time, p.values
 
-Everything has columns of fixed width, so numpy turns whole blocks into numbers at once. What cannot be read raises
-FormatError with the file, the line and what was expected there.
+Everything has columns of fixed width, so numpy turns whole blocks into numbers at once. What cannot be read, and what
+is no finite number, raises FormatError with the file, the line and what was expected there.
 """
+import math
 import re
 from typing import NamedTuple
 
 import numpy as np
 
+from shared import files
 
-class FormatError(ValueError):
+
+class FormatError(files.FileError):
     """The file is not what CalculiX writes, or not all of it."""
 
 
@@ -89,16 +92,22 @@ class _Lines:
         """(rows, count) numbers of rows that were just read: each `width` characters wide, the first at `begin`."""
         cells = np.ascontiguousarray(grid[:, begin:begin + width * count]).view(f"S{width}")
         try:
-            return cells.astype(kind)
-        except ValueError:
-            for i, row in enumerate(cells):
-                for cell in row:
-                    try:
-                        kind(cell)
-                    except ValueError:
-                        self.fail(f"{cell.decode(errors='replace')!r}: expected a number",
-                                  self.line - (len(cells) - i) * lines_per_row)
-            raise
+            values = cells.astype(kind)
+            if np.isfinite(values).all():
+                return values
+        except (ValueError, OverflowError):
+            pass
+        for i, row in enumerate(cells):
+            for k, cell in enumerate(row):
+                try:
+                    if math.isfinite(kind(cell)):
+                        continue
+                    expected = "expected a finite number"
+                except (ValueError, OverflowError):
+                    expected = "expected a number"
+                self.fail(f"{cell.decode(errors='replace')!r} in columns {begin + k * width + 1} to {begin + (k + 1) * width}: "
+                          f"{expected}", self.line - (len(cells) - i) * lines_per_row)
+        raise AssertionError("numpy and Python read these numbers differently")
 
     def end_of(self, what):
         if not self.next(f"-3, the end of {what}").startswith(b" -3"):
@@ -111,12 +120,24 @@ class _Lines:
             self.fail(f"columns {begin + 1} to {end} are {line[begin:end].decode(errors='replace')!r}: expected {expected}",
                       self.line - 1)
 
+    def count(self, line, begin, end, what):
+        """A number of things, each of which takes two characters at least."""
+        count = self.integer(line, begin, end, f"a number of {what}")
+        most = (len(self.text) - self.at) // 2
+        if not 0 <= count <= most:
+            self.fail(f"{count} {what}: must be >= 0 and, by the length of the file, <= {most}", self.line - 1)
+        return count
+
 
 def _read_nodes(lines, count):
     grid = lines.rows(count, 1, [b" -1"], "a node: -1, number, x, y, z")
     if grid.shape[1] != 50:
         lines.fail("expected nodes in lines of 49 characters", lines.line - count)
     numbers = lines.numbers(grid, 3, 10, 1, int)[:, 0]
+    later = np.flatnonzero(np.diff(numbers) <= 0)
+    if len(later):
+        lines.fail(f"node {numbers[later[0] + 1]} after node {numbers[later[0]]}: expected increasing numbers",
+                   lines.line - count + int(later[0]) + 1)
     places = lines.numbers(grid, 13, 12, 3, float)
     lines.end_of("the nodes")
     return numbers, places
@@ -149,7 +170,7 @@ def _read_field(lines, rows, node_numbers):
     line = lines.next("-4, a field's name")
     if line[:3] != b" -4":
         lines.fail("expected -4, a field's name", lines.line - 1)
-    name, listed = line[5:13].decode().strip(), lines.integer(line, 13, 18, "a number of components")
+    name, listed = line[5:13].decode().strip(), lines.count(line, 13, 18, "components")
     components = []
     for _ in range(listed):
         line = lines.next("-5, a component")
@@ -158,6 +179,8 @@ def _read_field(lines, rows, node_numbers):
         if line[33:38].strip() != b"1":  # 1: a norm, of which no values are written
             components.append(line[5:13].decode().strip())
     n = len(components)
+    if n == 0:
+        lines.fail(f"{name} has no components", head)
     lines_per_row = (n + 5) // 6
     what = f"{name} in a node: -1, number, {n} values"
     grid = lines.rows(rows, lines_per_row, [b" -1"] + [b" -2"] * (lines_per_row - 1), what) if rows else np.empty((0, 50), "S1")
@@ -173,6 +196,8 @@ def _read_field(lines, rows, node_numbers):
     place = np.searchsorted(node_numbers, numbers)
     if (place >= len(node_numbers)).any() or (node_numbers[place] != numbers).any():
         lines.fail(f"{name} is written for nodes that the mesh does not have", head)
+    if len(np.unique(place)) < len(place):
+        lines.fail(f"{name} is written twice for a node", head)
     whole = np.full((len(node_numbers), n), np.nan)
     whole[place] = np.hstack(values)
     return name, components, whole
@@ -180,8 +205,7 @@ def _read_field(lines, rows, node_numbers):
 
 def read_frd(path):
     """The mesh and all fields of a .frd that CalculiX has written as text."""
-    with open(path, "rb") as f:
-        lines = _Lines(path, f.read())
+    lines = _Lines(path, files.read_bytes(path).replace(b"\r\n", b"\n"))
     node_numbers = nodes = elements = None
     steps = []
     while True:
@@ -193,15 +217,17 @@ def read_frd(path):
             if line[73:75].strip() not in (b"1", b"0") or (key == "3C" and nodes is None) or (key == "100C" and nodes is None):
                 lines.fail("expected text, after the mesh", lines.line - 1)
         if key == "2C":
-            node_numbers, nodes = _read_nodes(lines, lines.integer(line, 24, 36, "a number of nodes"))
+            node_numbers, nodes = _read_nodes(lines, lines.count(line, 24, 36, "nodes"))
         elif key == "3C":
-            elements = _read_elements(lines, lines.integer(line, 24, 36, "a number of elements"))
+            elements = _read_elements(lines, lines.count(line, 24, 36, "elements"))
         elif key == "100C":
             try:
                 time = float(line[12:24])
             except ValueError:
+                time = math.nan
+            if not math.isfinite(time):
                 lines.fail(f"{line[12:24].decode(errors='replace')!r}: expected a time", lines.line - 1)
-            name, components, values = _read_field(lines, lines.integer(line, 24, 36, "a number of nodes"), node_numbers)
+            name, components, values = _read_field(lines, lines.count(line, 24, 36, "nodes"), node_numbers)
             if not steps or steps[-1].time != time or name in steps[-1].fields:
                 steps.append(Step(time, {}, {}))
             steps[-1].fields[name], steps[-1].components[name] = values, components
@@ -228,14 +254,15 @@ class Dat:
         self.path, self.offset, self.line = path, 0, 1
 
     def read(self, job_has_ended=True):
-        with open(self.path, "rb") as f:
-            f.seek(self.offset)
-            lines = _Lines(self.path, f.read(), self.line)
+        raw = files.read_bytes(self.path, self.offset)
+        lines = _Lines(self.path, raw.replace(b"\r\n", b"\n"), self.line)
         result = []
         while True:
             begin, first_line = lines.at, lines.line
             block = self._block(lines, job_has_ended)
             if block is None:
+                if len(raw) > len(lines.text):  # ends of lines of two characters
+                    begin = sum(map(len, raw.splitlines(keepends=True)[:first_line - self.line]))
                 self.offset, self.line = self.offset + begin, first_line
                 return result
             result.append(block)
@@ -262,7 +289,13 @@ class Dat:
         if not found or found["what"] not in _NAMES:
             lines.fail(f"{head.decode(errors='replace')!r}: expected 'internal state variables' or 'total force', "
                        "a set and a time", lines.line - 1)
-        name, time = _NAMES[found["what"]], float(found["time"])
+        name = _NAMES[found["what"]]
+        try:
+            time = float(found["time"])
+        except ValueError:
+            time = math.nan
+        if not math.isfinite(time):
+            lines.fail(f"{found['time'].decode(errors='replace')!r}: expected a time", lines.line - 1)
         lines.next("an empty line")
         count = text.count(b"\n", lines.at, end) + 1
         none = np.empty(0, dtype=int)

@@ -1,10 +1,9 @@
 """What happens over time: from the prints of every increment, one row of numbers each; and the Gauss points they come from."""
-import csv
-
 import numpy as np
 
 import deck
 import elements
+from shared import files
 
 COLUMNS = ["time", "reaction", "lambda_e_max", "lambda_e_mean", "lambda_e_min", "G_max", "G_mean", "G_min", "x", "y", "z"]
 
@@ -25,9 +24,9 @@ class GaussPoints:
     def check(self, printed):
         """Whether a print of the .dat has these points and the state variables of the deck."""
         if not (np.array_equal(printed.elements, self.elements) and np.array_equal(printed.points, self.numbers)):
-            raise ValueError(f"the print of {printed.name} at day {printed.time:g} has other Gauss points than the mesh")
+            raise files.FileError(f"the print of {printed.name} at day {printed.time:g} has other Gauss points than the mesh")
         if printed.values.shape[1] != len(deck.STATE):
-            raise ValueError(f"{printed.values.shape[1]} state variables at day {printed.time:g}: expected {len(deck.STATE)}")
+            raise files.FileError(f"{printed.values.shape[1]} state variables at day {printed.time:g}: expected {len(deck.STATE)}")
 
     def element_means(self, values):
         """(elements, components) means over the volume of every element of (points, components) values."""
@@ -49,14 +48,9 @@ def row(gauss, state, reaction):
 
 
 def write(path, rows):
-    with open(path, "w", encoding="ascii", newline="") as f:
-        out = csv.writer(f, lineterminator="\n")
-        out.writerow(COLUMNS)
-        out.writerows([f"{x:.7g}" for x in r] for r in rows)
+    files.write_text(path, "\n".join([",".join(COLUMNS), *(",".join(f"{x:.7g}" for x in r) for r in rows)]) + "\n")
 
 
 def read(path):
     """The columns of a history.csv by their names, as arrays."""
-    with open(path, encoding="ascii") as f:
-        rows = list(csv.DictReader(f))
-    return {name: np.array([float(r[name]) for r in rows]) for name in COLUMNS}
+    return {name: np.array(values) for name, values in files.read_columns(path, COLUMNS).items()}

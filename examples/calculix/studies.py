@@ -4,7 +4,6 @@ Every run is a cylinder in CalculiX, kept in OUT/<name>/ and not made again; an 
 leg. From the runs come tables (on the screen and in OUT/tables.md) and figures (OUT/*.png).
 """
 import argparse
-import json
 import math
 import multiprocessing
 import os
@@ -22,16 +21,15 @@ import numpy as np
 import cylinder
 import cylinder_mesh
 import deck
-import frd
 import history
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "fortran_driver"))
-import cube  # noqa: E402  for the exact solution of eq. 4 at a point
+import kept
+from shared import eq4, files
 
 BEGIN, END = "<!-- tables: ./run studies -->\n", "<!-- end of tables -->\n"
 MIDDLE = cylinder_mesh.LENGTH / 2
 TENDON = 20.0  # mm, length of the stiff layers where there are any
 MUSCLE_ALONE = 36.0  # mm, the pull that stretches what is between two such layers by 10 %
+PAPER = pathlib.Path("out/paper")
 EDGES = (2.0, 0.6, 0.2, 0.06)  # mm, sides of the elements in the clamped edge
 LATER = 0.2  # mm, the one of them that is followed to the end
 
@@ -124,15 +122,28 @@ class Job(NamedTuple):
     library_dir: pathlib.Path
 
 
-def is_done(folder, case):
-    saved = folder / "case.json"
-    return (folder / "fields.npz").is_file() and json.loads(saved.read_text()) == case._asdict()
+def is_same(job):
+    """Whether the job's folder has a run of its case; one of another case is made anew, and said so."""
+    if not (job.folder / "case.json").is_file():
+        return False
+    different = kept.differences(kept.read_case(job.folder), job.case)
+    if different:
+        print(f"{job.folder}: the run there has {different}: it is made anew", flush=True)
+    return not different
+
+
+def is_done(job):
+    """Whether the run is kept, whole. A damaged file of it ends the program."""
+    if not is_same(job) or not (job.folder / "fields.npz").is_file():
+        return False
+    Run(job.folder)
+    return True
 
 
 def do(job):
     """Runs a job that is not done yet; its name, and the CPU seconds of ccx."""
-    saved, case = job.folder / "case.json", job.case
-    resume = saved.is_file() and json.loads(saved.read_text()) == case._asdict()
+    case = job.case
+    resume = (job.folder / "case.json").is_file() and kept.read_case(job.folder) == case
     a = types.SimpleNamespace(out=job.folder, ccx=job.ccx, library_dir=job.library_dir, threads=1, resume=resume)
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     mesh = mesh_of(case.size)
@@ -142,23 +153,37 @@ def do(job):
     seconds = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
     history.write(job.folder / "history.csv", rows)
     times = [end for _, end in deck.leg_times(case)]
-    np.savez_compressed(job.folder / "part.npz", times=times, gauss=np.array(states)[:, :, :2])
+    with files.writing(job.folder / "fields.npz") as part:
+        np.savez_compressed(part, times=times, gauss=np.array(states)[:, :, :2])
     shutil.rmtree(folder)
-    os.replace(job.folder / "part.npz", job.folder / "fields.npz")
     return job.name, seconds
 
 
 def do_all(a, cases):
     jobs = [Job(name, case, a.out / name.replace(" ", "_").replace(",", ""), a.ccx, a.library_dir)
             for name, case in cases.items()]
-    waiting = [job for job in jobs if not is_done(job.folder, job.case)]
+    waiting = [job for job in jobs if not is_done(job)]
     print(f"{len(jobs)} runs, {len(jobs) - len(waiting)} of them kept in {a.out}/", flush=True)
     if waiting:
         # Ctrl-C or a request to end: SystemExit, so that the worker ends its ccx and itself.
         with multiprocessing.Pool(min(a.jobs, len(waiting)), leave_on_signals) as pool:
-            for count, (name, seconds) in enumerate(pool.imap_unordered(do, waiting), 1):
+            for count, (name, seconds) in enumerate(results(pool, waiting), 1):
                 print(f"{count} of {len(waiting)}   {name}   {seconds:.0f} CPU-s", flush=True)
     return {job.name: job.folder for job in jobs}
+
+
+def results(pool, waiting):
+    """What `do` returns, as it comes. A pool replaces a worker that was killed, and waits for its result for ever."""
+    workers, coming = {p.pid for p in multiprocessing.active_children()}, pool.imap_unordered(do, waiting)
+    while True:
+        try:
+            yield coming.next(timeout=2)
+        except StopIteration:
+            return
+        except multiprocessing.TimeoutError:
+            if {p.pid for p in multiprocessing.active_children()} != workers:
+                raise cylinder.JobError("one of the processes that make the runs was ended from outside (too little "
+                                        "memory?); the same command goes on") from None
 
 
 def leave_on_signals():
@@ -172,13 +197,18 @@ class Run:
     """A finished run: its history, and lambda_e and G of the Gauss points at the times of output."""
 
     def __init__(self, folder):
-        self.case = deck.Case(**json.loads((folder / "case.json").read_text()))
+        self.case = kept.read_case(folder)
         self.mesh = mesh_of(self.case.size)
         gauss = history.GaussPoints(self.mesh, deck.tendon(self.case, self.mesh))
         self.h = history.read(folder / "history.csv")
-        kept = np.load(folder / "fields.npz")
-        self.days, muscle = kept["times"].tolist(), gauss.muscle
-        self.states = kept["gauss"][:, muscle, :2].astype(float)
+        path = folder / "fields.npz"
+        found = kept.arrays(path, "times", "gauss")
+        self.days, muscle = found["times"].tolist(), gauss.muscle
+        kept.demand_shape(path, "gauss", found["gauss"], (len(self.days), len(muscle), None))
+        if self.days != deck.output_times(self.case) or not kept.ends_on(self.h["time"][-1], self.case.duration):
+            raise files.FileError(f"{path} and history.csv: end before day {self.case.duration:g}, the end of the run: remove "
+                                  f"{folder} to have it made anew")
+        self.states = found["gauss"][:, muscle, :2].astype(float)
         x, y, self.z = gauss.places[muscle].T
         self.x, self.r = x, np.hypot(x, y)
         self.ends = self.z < MIDDLE, self.z > MIDDLE  # proximal, distal
@@ -231,9 +261,7 @@ class Run:
 def at_a_point(times, ramp=1.0, tau=deck.TAU):
     """lambda_e by the exact solution of eq. 4 at a point of the cylinder far from its ends, where the stretch is 1.10."""
     a = types.SimpleNamespace(stretch=1.1, ramp=ramp, tau=tau, gamma=deck.GAMMA, G_max=deck.G_MAX, lambda_crit=deck.LAMBDA_CRIT)
-    fine = sorted(set(times) | set(np.arange(0, max(times), tau / 5).tolist()))  # it takes eight steps from one to the next
-    G = dict(zip(fine, cube.exact(a, fine)))
-    return np.array([cube.stretch(a, t) / G[t] for t in times])
+    return np.array([eq4.stretch(a, t) / G for t, G in zip(times, eq4.exact(a, times))])
 
 
 def peak_at_a_point(ramp, tau=deck.TAU):
@@ -408,20 +436,27 @@ def tables(found):
     return "\n".join(f"**{title}**\n\n{make(found)}" for title, make in parts) + "\n" + note
 
 
-def write_between_marks(path, text):
-    old = path.read_text(encoding="utf-8")
-    found = re.search(re.escape(BEGIN) + "(.*?)" + re.escape(END), old, re.S)
+def between_marks(path):
+    """The page, and where its tables begin and end."""
+    page = files.read_text(path)
+    found = re.search(re.escape(BEGIN) + "(.*?)" + re.escape(END), page, re.S)
     if not found:
-        raise ValueError(f"{path}: no section between '{BEGIN.strip()}' and '{END.strip()}'")
-    path.write_text(old[:found.start(1)] + text + old[found.end(1):], encoding="utf-8")
+        raise files.FileError(f"{path}: no section between '{BEGIN.strip()}' and '{END.strip()}'")
+    return page, *found.span(1)
+
+
+def write_between_marks(path, text):
+    page, begin, end = between_marks(path)
+    files.write_text(path, page[:begin] + text + page[end:])
 
 
 def arguments():
     p = argparse.ArgumentParser(prog=os.environ.get("MYOGROWTH_JOB", "studies.py"), description=__doc__,
                                 formatter_class=argparse.ArgumentDefaultsHelpFormatter)
     p.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/studies"), help="folder of runs, tables, figures")
-    p.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), help="runs at a time, of one thread each")
-    p.add_argument("--paper", type=pathlib.Path, default=pathlib.Path("out/paper"),
+    p.add_argument("--jobs", type=files.number(1, cylinder.MOST_THREADS, kind=int), default=len(os.sched_getaffinity(0)),
+                   help="runs at a time, of one thread each")
+    p.add_argument("--paper", type=pathlib.Path, default=PAPER,
                    help="a finished run of cylinder.py --size paper, for the table of meshes; left out where there is none")
     p.add_argument("--write", type=pathlib.Path,
                    help="a markdown file whose tables between two marks are to be made anew, and its figures in images/ "
@@ -429,35 +464,53 @@ def arguments():
     p.add_argument("--ccx", type=pathlib.Path, required=True, help="the executable")
     p.add_argument("--library-dir", type=pathlib.Path, required=True, help=f"the folder of {cylinder.LIBRARY}")
     a = p.parse_args()
-    if a.jobs < 1:
-        p.error(f"--jobs = {a.jobs}: must be > 0")
+    cylinder.check_programs(p, a)
     return a
+
+
+def paper_run(folder):
+    """The run of the paper's mesh, or None where there is none; its case must be the paper's."""
+    if folder == PAPER and not (folder / "fields.npz").exists():
+        return None
+    different = kept.differences(kept.read_case(folder), deck.Case(size="paper"))
+    if different:
+        raise files.FileError(f"--paper {folder}: the run there has {different}")
+    return Run(folder)
+
+
+def job(a):
+    import study_figures  # it needs this module, so not before
+
+    files.make_folder(a.out)
+    files.remove(a.out / name for name in ("tables.md", *study_figures.MADE))
+    if a.write:  # before the work: whether it can be written
+        between_marks(a.write)
+        files.make_folder(a.write.parent / "images")
+    paper = paper_run(a.paper)
+    found = {name: Run(folder) for name, folder in do_all(a, runs()).items()}
+    if paper:
+        found["paper"] = paper
+    text = tables(found)
+    print("\n" + text)
+    files.write_text(a.out / "tables.md", text)
+    made = study_figures.draw(a.out, found)
+    if a.write:
+        write_between_marks(a.write, text)
+        for name in made:
+            with files.writing(a.write.parent / "images" / f"study_{name}") as part:
+                shutil.copyfile(a.out / name, part)
+    print(f"{a.out}/: tables.md, {', '.join(made)}")
 
 
 def main():
     a = arguments()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        found = {name: Run(folder) for name, folder in do_all(a, runs()).items()}
-        if (a.paper / "fields.npz").is_file():
-            found["paper"] = Run(a.paper)
-        text = tables(found)
-        print("\n" + text)
-        (a.out / "tables.md").write_text(text, encoding="utf-8")
-        import study_figures  # it needs this module, so not before
-
-        made = study_figures.draw(a.out, found)
-        if a.write:
-            write_between_marks(a.write, text)
-            for name in made:
-                shutil.copy(a.out / name, a.write.parent / "images" / f"study_{name}")
-        print(f"{a.out}/: tables.md, {', '.join(made)}")
+        with files.faults_in_one_line(os.environ.get("MYOGROWTH_JOB", "studies.py"), cylinder.Interrupted):
+            job(a)
     except KeyboardInterrupt:
         print("\ninterrupted; the same command goes on", file=sys.stderr)
         sys.exit(130)
-    except (cylinder.JobError, frd.FormatError, ValueError, OSError) as e:
-        print(e, file=sys.stderr)
-        sys.exit(1)
 
 
 if __name__ == "__main__":

@@ -119,8 +119,10 @@ def draw_meshes(path, found):
 
 def draw(out, found):
     """Draws all figures into a folder; their names."""
-    made = {"ramps.png": draw_ramps, "edges.png": draw_edges, "times.png": draw_times, "meshes.png": draw_meshes}
     with plt.rc_context(figures.LAYOUT):
-        for name, make in made.items():
+        for name, make in MADE.items():
             make(out / name, found)
-    return list(made)
+    return list(MADE)
+
+
+MADE = {"ramps.png": draw_ramps, "edges.png": draw_edges, "times.png": draw_times, "meshes.png": draw_meshes}

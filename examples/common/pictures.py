@@ -17,6 +17,8 @@ import matplotlib.ticker  # noqa: E402
 import numpy as np  # noqa: E402
 from PIL import Image  # noqa: E402
 
+import files  # noqa: E402
+
 BLUE, ORANGE, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"  # Okabe and Ito's, for all eyes
 CYCLE = [BLUE, ORANGE, GREEN, PURPLE, "#56B4E9", "#E69F00", "0.35"]
 LAYOUT = {"font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 9.5, "axes.spines.top": False,
@@ -42,7 +44,8 @@ def save(fig, path, colours=None):
         mapped, greys = colours(np.linspace(0, 1, 224))[:, :3], np.repeat(np.linspace(0, 1, 32)[:, None], 3, axis=1)
         palette = Image.new("P", (1, 1))
         palette.putpalette(np.round(255 * np.concatenate([mapped, greys])).astype(np.uint8).tobytes())
-    picture.quantize(256, kmeans=1, palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
+    with files.writing(path) as part:
+        picture.quantize(256, kmeans=1, palette=palette, dither=Image.Dither.NONE).save(part, optimize=True)
 
 
 # ---- Fit

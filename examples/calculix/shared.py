@@ -1,0 +1,7 @@
+"""What all examples share lies in ../common: `from shared import files`."""
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "common"))
+import eq4  # noqa: E402, F401
+import files  # noqa: E402, F401
