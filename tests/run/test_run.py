@@ -29,9 +29,9 @@ case "$*" in
     echo "begin $*" >>"$LOG"
     for i in {1..300}; do echo "[$i/300] Building CXX object $i"; done
     if [ "$CMAKE" = broken ]; then echo "FAILED: a.cpp"; echo "a.cpp:1: error: no such thing"; exit 1; fi
-    sleep "${SLOW:-0}"
+    while [ -e "$HOLD_BUILD" ]; do sleep 0.02; done
     mkdir -p build/fortran_driver
-    printf '#!/bin/bash\necho "driver in $PWD:" "$@"\nsleep "${SLOW_PROGRAM:-0}"\necho ran >>"$LOG"\n' >build/fortran_driver/myogrowth_driver
+    printf '#!/bin/bash\necho "driver in $PWD:" "$@"\necho ran >>"$LOG"\n' >build/fortran_driver/myogrowth_driver
     chmod +x build/fortran_driver/myogrowth_driver
     echo "end $*" >>"$LOG" ;;
   *)
@@ -50,7 +50,7 @@ case "$*" in
 esac
 ''',
     "sudo": '#!/bin/sh\nexec "$@"\n',
-    "python3": '#!/bin/bash\n[ "$1" = -c ] && exit\necho "python in $PWD:" "$@"\nsleep "${SLOW_PROGRAM:-0}"\necho ran >>"$LOG"\n',
+    "python3": '#!/bin/bash\n[ "$1" = -c ] && exit\necho "python in $PWD:" "$@"\necho ran >>"$LOG"\nwhile [ -e "$HOLD_PROGRAM" ]; do sleep 0.02; done\n',
     "mpirun": '#!/bin/sh\necho "mpirun in $PWD:" "$@"\n',
 }
 
@@ -140,35 +140,50 @@ class Help(Run):
 
 
 class Lock(Run):
+    def setUp(self):
+        super().setUp()
+        self.held = self.folder / "held"
+        self.held.write_text("")
+        self.addCleanup(self.held.unlink, missing_ok=True)
+
+    def release_when_it_waits(self, second, text):
+        """Lets the first go on as soon as the second says that it waits."""
+        said = ""
+        while "waits" not in said:
+            line = second.stderr.readline()
+            self.assertTrue(line, said)
+            said += line
+        self.held.unlink()
+        self.assertIn(text, said)
+
+    def steps(self):
+        return [line.split()[0] for line in self.logged() if line != "ran"]
+
     def test_the_second_waits_for_the_first_and_says_for_whom(self):
-        first = self.start("driver", SLOW="0.5")
+        first = self.start("driver", HOLD_BUILD=str(self.held))
         self.wait_for("begin")
         second = self.start("cube")
-        _, err = second.communicate()
-        self.assertEqual((first.wait(), second.returncode), (0, 0))
-        self.assertIn(f"./run cube: waits for ./run driver (process {first.pid}), which uses build/", err)
-        steps = [line.split()[0] for line in self.logged() if line != "ran"]
-        self.assertEqual(steps, ["configure", "begin", "end"] * 2)
+        self.release_when_it_waits(second, f"./run cube: waits for ./run driver (process {first.pid}), which uses build/")
+        self.assertEqual((first.wait(), second.wait()), (0, 0))
+        self.assertEqual(self.steps(), ["configure", "begin", "end"] * 2)
 
     def test_tests_of_two_presets_wait_too(self):
-        (self.bin / "ctest").write_text('#!/bin/sh\necho "begin $*" >>"$LOG"; sleep 0.4; echo "end $*" >>"$LOG"\n')
+        (self.bin / "ctest").write_text('#!/bin/sh\necho "tests $*" >>"$LOG"\nwhile [ -e "$HOLD_TESTS" ]; do sleep 0.02; done\n')
         (self.bin / "ctest").chmod(0o755)
-        first = self.start("test", "release")
-        self.wait_for("begin --preset release -j")
+        first = self.start("test", "release", HOLD_TESTS=str(self.held))
+        self.wait_for("tests --preset release")
         second = self.start("test", "clang")
-        self.assertIn("waits for ./run test", second.communicate()[1])
-        self.assertEqual((first.wait(), second.returncode), (0, 0))
-        ends = [line for line in self.logged() if line.startswith("end --preset")]
-        begins = [line for line in self.logged() if "clang" in line]
-        self.assertLess(self.logged().index(ends[0]), self.logged().index(begins[0]))
+        self.release_when_it_waits(second, "./run test: waits for ./run test")
+        self.assertEqual((first.wait(), second.wait()), (0, 0))
+        self.assertEqual(self.steps(), ["configure", "begin", "end", "tests"] * 2)
 
     def test_three_in_a_fresh_clone(self):
-        runs = [self.start("driver", SLOW="0.1") for _ in range(3)]
+        runs = [self.start("driver") for _ in range(3)]
         self.assertEqual([r.wait() for r in runs], [0, 0, 0])
-        self.assertEqual([line.split()[0] for line in self.logged() if line != "ran"], ["configure", "begin", "end"] * 3)
+        self.assertEqual(self.steps(), ["configure", "begin", "end"] * 3)
 
     def test_a_killed_run_leaves_no_lock(self):
-        first = self.start("driver", SLOW="60")
+        first = self.start("driver", HOLD_BUILD=str(self.held))
         self.wait_for("begin")
         os.killpg(first.pid, signal.SIGKILL)
         first.wait()
@@ -176,25 +191,37 @@ class Lock(Run):
         self.assertEqual(status, 0)
         self.assertNotIn("waits", err)
 
+    def test_compilers_that_outlive_a_killed_run_keep_the_lock(self):
+        first = self.start("driver", HOLD_BUILD=str(self.held))
+        self.wait_for("begin")
+        first.kill()
+        first.wait()
+        second = self.start("driver")
+        self.release_when_it_waits(second, f"waits for ./run driver (process {first.pid})")
+        self.assertEqual(second.wait(), 0)
+        self.assertEqual(self.steps(), ["configure", "begin", "end"] * 2)
+
     def test_the_lock_goes_with_a_folder_that_was_removed(self):
-        first = self.start("driver", SLOW="0.6")
+        first = self.start("driver", HOLD_BUILD=str(self.held))
         self.wait_for("begin")
         shutil.rmtree(self.tree / "build")
         status, _, err = self.run_job("driver")
         self.assertEqual(status, 0)
         self.assertNotIn("waits", err)
+        self.held.unlink()
         first.wait()
 
     def test_programs_keep_no_lock_but_that_of_their_default_folder(self):
-        first = self.start("cube", SLOW_PROGRAM="1")
-        self.wait_for("end")
-        while not (self.tree / "out/.cube.lock").exists() or not (self.tree / "out/.cube.lock").read_text():
-            time.sleep(0.02)
+        first = self.start("cube", HOLD_PROGRAM=str(self.held))
+        self.wait_for("ran")
         self.assertNotIn("waits", self.run_job("driver")[2])
-        self.assertNotIn("waits", self.run_job("cube", "--out", "mine")[2])
-        self.assertNotIn("waits", self.run_job("cube", "--help")[2])
+        for arguments in (["--out", "mine"], ["--help"]):
+            other = self.start("cube", *arguments)
+            self.assertNotIn("waits", other.communicate()[1])
         self.assertIsNone(first.poll())
-        self.assertIn("waits for ./run cube", self.run_job("cube")[2])
+        second = self.start("cube")
+        self.release_when_it_waits(second, f"./run cube: waits for ./run cube (process {first.pid}), which uses out/cube/")
+        self.assertEqual((first.wait(), second.wait()), (0, 0))
 
 
 class BuildFolder(Run):
