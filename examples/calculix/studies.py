@@ -335,10 +335,9 @@ def table_of_edges(found):
     said += f"\nElements of {LATER:g} mm, over time:\n\n" + table(
         ["day", "edge", "largest inside", "G, edge", "axis at clamp"], rows)
     once, ramp = (fitted_exponent(EDGES[1:], strains[kind][1:]) for kind in ("at once", "ramp"))
-    return said + (f"\nFit: λe − 1 at the edge goes as (element size)^p with p = {once:.2f} at once and "
-                   f"{ramp:.2f} after the ramp (without "
-                   f"the coarsest); "
-                   f"linear elasticity's p for a clamped face beside a free one is {clamped_free_exponent():.2f}.\n")
+    return said + (f"\nFit: λe − 1 at the edge is proportional to (element size)^p with p = {once:.2f} at once and {ramp:.2f} "
+                   f"after the\nramp (without the coarsest mesh). Linear elasticity has p = {clamped_free_exponent():.2f} for a "
+                   "clamped face beside a free one.\n")
 
 
 def table_of_ramps(found):
@@ -427,9 +426,9 @@ def table_of_weeks(found):
 
 def tables(found):
     """Markdown of all tables."""
-    note = ("† distance from the axis / from the nearer end, before the deformation; all λe are values of Gauss points. "
-            "“edge”: the largest in the surface (outer 5 % of the "
-            "radius) of the first layer of muscle; “inside”: without the surface. “point”: the exact solution of eq. 4.\n")
+    note = ("† distance from the axis / from the nearer end, before the deformation. All λe are values at Gauss points.\n"
+            "“edge”: the largest value in the surface (outer 5 % of the radius) of the first layer of muscle. “inside”: without\n"
+            "the surface. “point”: the exact solution of eq. 4.\n")
     parts = [("Meshes", table_of_meshes), ("The clamped edge", table_of_edges), ("Length of the ramp", table_of_ramps),
              ("Ends", table_of_ends), ("Oblique fibres", table_of_fibres), ("Energy convention", table_of_energies),
              ("Days or weeks", table_of_times), ("When it grows, and when λe falls", table_of_weeks)]
