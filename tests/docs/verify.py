@@ -108,11 +108,11 @@ INTRODUCTION = """# Verification
 This page is for readers who want to know how far they can trust the library. It lists every claim, the tests of
 `./run test` that check it, and the figure that they print.
 
-`./run verify` runs the tests and writes this page; a test checks that the tests of every claim exist. Where there is no
-figure, the test asserts what the claim says.
+`./run verify` runs the tests and writes this page; a test checks that the tests of every claim exist. Where there is
+no figure, the test asserts what the claim says.
 
-**What has not been verified:** nothing here was run in Abaqus. The model was compared with the paper's text and figures,
-[claim by claim](biceps.md), and with figures from abstracts of [published studies](studies.md), not with raw
+**What has not been verified:** nothing here was run in Abaqus. The model was compared with the paper's text and
+figures, [claim by claim](biceps.md), and with figures from abstracts of [published studies](studies.md), not with raw
 measurements on muscles.
 """
 
