@@ -13,6 +13,10 @@
 
 Arrays are in NumPy's natural order: F[..., i, J], dP_dF[..., i, J, k, L]. Nothing that comes in is changed; the GIL is
 released while the law works, so threads may call it side by side. Units are yours, one for stress and one for time.
+
+Numbers may be floats of any size and byte order, or integers; the law works with doubles. Refused, by the name of the
+argument, is what would lose something on the way: masked arrays with hidden values, complex numbers, Booleans, texts,
+dates, objects, integers beyond 2**53, floats beyond the range of double, arrays with a unit or another meaning of their own.
 """
 from __future__ import annotations
 
@@ -20,6 +24,7 @@ import dataclasses
 import enum
 import functools
 import re
+import reprlib
 from typing import Any, Literal, NamedTuple, Optional, Tuple, TypeVar, Union
 
 import numpy as np
@@ -61,6 +66,9 @@ class MyogrowthError(ValueError):
         self.status, self.point, self.message = Status(status), point, message
         super().__init__(f"point {', '.join(map(str, point))}: {message}" if point else message)
 
+    def __reduce__(self) -> Any:
+        return MyogrowthError, (self.status, self.point, self.message)  # so that it comes back from another process
+
 
 class Parameter(NamedTuple):
     """One parameter of the law, as the library's own table has it."""
@@ -72,6 +80,73 @@ class Parameter(NamedTuple):
     default: Any  #: the paper's Table 1 (kPa, days); extensions are off
 
 
+Points = Tuple[int, ...]
+
+
+def _shown(value: Any) -> str:
+    text = " ".join(reprlib.repr(value).split())
+    return text if len(text) <= 80 else text[:80] + "..."
+
+
+def _demand_plain(name: str, value: Any) -> None:
+    """Refuses what np.asarray would drop without a word: masks, other meanings of subclasses, Booleans in lists."""
+    if isinstance(value, (list, tuple)):
+        for entry in value:
+            _demand_plain(name, entry)
+    elif isinstance(value, np.ma.MaskedArray):
+        hidden = np.ma.count_masked(value)
+        if hidden:
+            raise ValueError(f"{name}: is masked, with {hidden} hidden values: fill them in, or leave them out")
+    elif isinstance(value, np.ndarray) and type(value) not in (np.ndarray, np.matrix, np.memmap):
+        raise ValueError(f"{name}: must be a plain array, is a {type(value).__name__}: its unit or other meaning would be lost")
+    elif isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name}: must be numbers, is {value!r}")
+
+
+def _array(name: str, value: Any) -> Floats:
+    """An argument as an array of doubles, or a ValueError that names it."""
+    _demand_plain(name, value)
+    try:
+        array = np.asarray(value)
+    except Exception:  # whatever an object's own conversion raises
+        array = None
+    if array is None or array.dtype.kind not in "fiuc":
+        what = "" if array is None or array.dtype.kind == "U" else f" of type {array.dtype}"
+        raise ValueError(f"{name}: must be numbers, is {_shown(value)}{what}")
+    if array.dtype.kind == "c":
+        raise ValueError(f"{name}: must be real, is {_shown(value)} of type {array.dtype}")
+    if array.dtype.kind in "iu" and ((array > 2**53) | (array < -(2**53))).any():
+        raise ValueError(f"{name}: integers must be within +-2**53, which doubles hold exactly, is {_shown(value)}")
+    with np.errstate(over="ignore"):
+        doubles = np.asarray(array, dtype=float)
+    if (np.isfinite(array) & ~np.isfinite(doubles)).any():
+        raise ValueError(f"{name}: must be within the range of double, is {_shown(value)}")
+    return doubles
+
+
+def _number(name: str, value: Any) -> float:
+    array = _array(name, value)
+    if array.ndim:
+        raise ValueError(f"{name} has shape {array.shape}: must be one number")
+    return float(array)
+
+
+def _switch(name: str, value: Any) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} = {_shown(value)}: must be True or False")
+    return bool(value)
+
+
+def _over_points(name: str, value: Any, points: Points, size: Points = ()) -> Floats:
+    """What is given once for all points, with shape `size`, or for each of them; by nothing in between, which is more
+    often a mistake than meant."""
+    array = _array(name, value)
+    if array.shape not in (size, points + size):
+        raise ValueError(f"{name} has shape {array.shape}: must broadcast to the points of F from {size}, one for all, or "
+                         f"have {points + size}, one for each")
+    return np.broadcast_to(array, points + size)
+
+
 _Class = TypeVar("_Class", bound=type)
 
 
@@ -81,7 +156,9 @@ def _names_unknown(cls: _Class) -> _Class:
     names = [field.name for field in dataclasses.fields(cls)]
 
     @functools.wraps(made)
-    def __init__(self: Any, **given: Any) -> None:
+    def __init__(self: Any, *values: Any, **given: Any) -> None:
+        if values:
+            raise TypeError(f"{cls.__name__} takes its values by name, e.g. {names[0]}={_shown(values[0])}")
         for name in given:
             if name not in names:
                 raise TypeError(f"{cls.__name__} has no {name!r}: it has {', '.join(names)}")
@@ -113,18 +190,21 @@ class Parameters:
     lambda_crit_rev: float = 0.0  #: elastic stretch below which they are removed [-], > 0 and <= lambda_crit
 
     def __post_init__(self) -> None:
-        for name, allowed in _CHOICES.items():
-            if getattr(self, name) not in allowed:
-                raise MyogrowthError(Status.BAD_PARAMETER, None,
-                                     f"{name} = {getattr(self, name)!r}: must be {' or '.join(map(repr, allowed))}")
         for field in dataclasses.fields(self):
-            if field.name not in _CHOICES and not isinstance(getattr(self, field.name), (int, float, np.number)):
+            name, value = field.name, getattr(self, field.name)
+            if name in _CHOICES:
+                if not isinstance(value, str) or value not in _CHOICES[name]:
+                    raise MyogrowthError(Status.BAD_PARAMETER, None,
+                                         f"{name} = {_shown(value)}: must be {' or '.join(map(repr, _CHOICES[name]))}")
+                continue
+            try:
+                object.__setattr__(self, name, _number(name, value))
+            except ValueError:
                 raise MyogrowthError(Status.BAD_PARAMETER, None,
-                                     f"{field.name} = {getattr(self, field.name)!r}: must be a number")
+                                     f"{name} = {_shown(value)}: must be a number, real and in the range of double") from None
         status, message = _core.check(self._props())
         if status != Status.OK:
-            # The C API counts entries, PROPS(5) = 0.9: G_max, ...; here they have names alone.
-            raise MyogrowthError(status, None, re.sub(r"PROPS\(\d+\) = (.+?): (\w+), ", r"\2 = \1: ", message))
+            raise MyogrowthError(status, None, _by_name(message))
 
     def _props(self) -> Floats:
         """PROPS of the C API. The fibre is left out: it comes with the state, and 0 is then an error."""
@@ -139,6 +219,13 @@ class Parameters:
 _SYMBOLS = [symbol for symbol, *_ in _core.parameters()]
 
 
+def _by_name(text: str) -> str:
+    """What the C API says by numbers, PROPS(5) = 0.9: G_max, ... or 15-17, by the names that entries have here."""
+    text = re.sub(r"PROPS\(\d+\) = (.+?): (\w+), ", r"\2 = \1: ", text)
+    text = re.sub(r"\b(\d+)-(\d+) are", lambda m: ", ".join(_SYMBOLS[int(m[1]) - 1:int(m[2])]) + " are", text)
+    return re.sub(r"PROPS\((\d+)\)", lambda m: _SYMBOLS[int(m[1]) - 1], text)
+
+
 def parameters() -> Tuple[Parameter, ...]:
     """Name, unit, meaning, what is allowed, and default of every parameter."""
     table = {symbol: (unit, meaning, allowed) for symbol, unit, meaning, allowed, _ in _core.parameters()}
@@ -148,17 +235,17 @@ def parameters() -> Tuple[Parameter, ...]:
         if field.name in _CHOICES:
             meaning = {"energy": "volume that psi is counted per", "integration": "of eq. 4 in time"}[field.name]
             allowed = " or ".join(map(repr, _CHOICES[field.name]))
-        listed.append(Parameter(field.name, unit, meaning, allowed, field.default))
+        listed.append(Parameter(field.name, unit, _by_name(meaning), allowed, field.default))
     return tuple(listed)
 
 
 @_names_unknown
 @dataclasses.dataclass(frozen=True)
 class State:
-    """What points remember from one step to the next, and their fibre. Each broadcasts to the points of F."""
+    """What points remember from one step to the next, and their fibre: one for all points of F (...), or one for each."""
 
     G: Union[float, Floats] = 1.0  #: relative serial sarcomere number [-], > 0; a number or (...)
-    stretch: Union[float, Floats] = 1.0  #: total fibre stretch lambda [-], > 0, for integration="midpoint_flow"
+    stretch: Union[float, Floats] = 1.0  #: total fibre stretch lambda [-], > 0, for integration="midpoint_flow"; likewise
     n0: ArrayLike = (1.0, 0.0, 0.0)  #: reference fibre direction, any length > 0; (3,) or (..., 3)
 
 
@@ -175,6 +262,11 @@ class Step:
     Je: Floats  #: (...): J/G [-]
     status: NDArray[np.int32]  #: (...): a Status for every point
 
+    @property
+    def failed(self) -> NDArray[np.bool_]:
+        """(...): the points that have no result. All their numbers are NaN but for the state, which is what came in."""
+        return np.asarray(self.status != Status.OK)
+
 
 def _full(six: Floats) -> Floats:
     """The symmetric tensors (..., 3, 3) of six components, 11 22 33 12 13 23."""
@@ -184,26 +276,27 @@ def _full(six: Floats) -> Floats:
 _SIX = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
 
 
-def _array(name: str, value: Any) -> Floats:
-    try:
-        return np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name}: must be numbers, is {value!r}") from None
+def _positive(values: Floats) -> NDArray[np.bool_]:
+    return (values > 0) & np.isfinite(values)
 
 
-def _over_points(name: str, value: Any, shape: Tuple[int, ...]) -> Floats:
-    array = _array(name, value)
-    try:
-        return np.broadcast_to(array, shape)
-    except ValueError:
-        raise ValueError(f"{name} has shape {array.shape}: must broadcast to {shape}, the points of F") from None
-
-
-def _demand_positive(name: str, values: Floats) -> None:
-    bad = ~(values > 0)
-    if bad.any():
-        point = tuple(int(i) for i in np.argwhere(bad)[0])
-        raise MyogrowthError(Status.BAD_STATE, point, f"{name} = {values[point]:g}: must be > 0")
+def _why(status: int, F: Floats, G: float, stretch: float, n0: Floats) -> str:
+    """What is wrong with a point that has no result, by the names of update's arguments."""
+    for name, value in (("G", G), ("stretch", stretch)):
+        if not _positive(value):
+            return f"{name} = {value:g}: must be > 0 and finite"
+    for name, array in (("n0", n0), ("F", F)):
+        for at in np.argwhere(~np.isfinite(array)):
+            return f"{name}[{', '.join(map(str, at))}] = {array[tuple(at)]:g}: must be finite"
+    if status == Status.NO_FIBRE:
+        return "no fibre: n0 = 0, 0, 0: must have a length > 0"
+    if status == Status.INVERTED:
+        with np.errstate(all="ignore"):
+            det = np.linalg.det(F)
+        return f"det F = {det:g}: must be > 0" + (" beyond the rounding of its terms" if det > 0 else "")
+    if status == Status.NOT_FINITE:
+        return "not finite: a result is beyond the range of double"
+    return _by_name(_core.status_text(status))
 
 
 def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), *, measure: Measure = "cauchy",
@@ -222,39 +315,43 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
 
     The tangent is that of this discrete step, growth included; where the muscle grows it is unsymmetric.
 
-    MyogrowthError names the first point that has no result. With raise_on_failure=False there is none: `status` says
-    which points failed, their stress, tangent and energy are NaN and their state is the one that came in.
+    MyogrowthError names the first point that has no result. With raise_on_failure=False there is none: `status` and
+    `failed` say which points failed; their state is the one that came in and all else of them is NaN.
     """
     if not isinstance(muscle, Parameters):
         raise TypeError(f"muscle: must be Parameters, is {muscle!r}")
     if not isinstance(state, State):
         raise TypeError(f"state: must be a State, is {state!r}")
-    if measure not in _MEASURES:
-        raise ValueError(f"measure = {measure!r}: must be {' or '.join(map(repr, _MEASURES))}")
+    if not isinstance(measure, str) or measure not in _MEASURES:
+        raise ValueError(f"measure = {_shown(measure)}: must be {' or '.join(map(repr, _MEASURES))}")
+    tangent, raise_on_failure = _switch("tangent", tangent), _switch("raise_on_failure", raise_on_failure)
+    dt = _number("dt", dt)
+    if not np.isfinite(dt):
+        raise MyogrowthError(Status.NOT_FINITE, None, f"dt = {dt:g}: must be finite")
     F = _array("F", F)
     if F.shape[-2:] != (3, 3):
         raise ValueError(f"F has shape {F.shape}: must be (..., 3, 3)")
     points = F.shape[:-2]
+    G, stretch = (_over_points(f"state.{name}", getattr(state, name), points) for name in ("G", "stretch"))
+    n0 = _over_points("state.n0", state.n0, points, (3,))
     before = np.zeros((*points, 8))  # STATEV: G, lambda_e, lambda, J, Je, n0
-    before[..., 0] = _over_points("state.G", state.G, points)
-    before[..., 2] = _over_points("state.stretch", state.stretch, points)
-    before[..., 5:] = _over_points("state.n0", state.n0, (*points, 3))
-    _demand_positive("G", before[..., 0])
-    _demand_positive("stretch", before[..., 2])
+    # To the C API G = 0 is "not known yet", and so is a stretch that is not allowed: here either is a fault.
+    before[..., 0] = np.where(_positive(G) & _positive(stretch), G, np.nan)
+    before[..., 2], before[..., 5:] = stretch, n0
 
     columns = np.ascontiguousarray(F.swapaxes(-1, -2)).reshape(-1, 9)
-    stress, moduli, energy, after, status, message = _core.update(
-        muscle._props(), columns, before.reshape(-1, 8), float(dt), _MEASURES[measure], tangent)
-    if raise_on_failure and status.any():
-        point = np.unravel_index(int(np.argmax(status != 0)), points) if points else ()
-        point = tuple(int(i) for i in point)
-        first = int(status[status != 0][0])
-        why = re.sub(r"^point \d+ \(of .*?\): ", "", message)
-        if first == Status.INVERTED:
-            why = f"det F = {np.linalg.det(F[point]):g}: must be > 0"
-        elif first == Status.NO_FIBRE:
-            why = "no fibre: n0 = 0, 0, 0: must have a length > 0"
-        raise MyogrowthError(first, point, why)
+    stress, moduli, energy, after, status, _ = _core.update(
+        muscle._props(), columns, before.reshape(-1, 8), dt, _MEASURES[measure], tangent)
+    status, after = status.reshape(points), after.reshape(*points, 8)
+    failed = status != Status.OK
+    if raise_on_failure and failed.any():
+        point = tuple(int(i) for i in np.argwhere(failed)[0])
+        others = np.count_nonzero(failed) - 1
+        more = f" ({others} more of {failed.size} points failed)" if others else ""
+        raise MyogrowthError(int(status[point]), point, _why(int(status[point]), F[point], G[point], stretch[point],
+                                                             n0[point]) + more)
+    after[failed, :5] = np.nan
+    after[failed, 0], after[failed, 2], after[failed, 5:] = G[failed], stretch[failed], n0[failed]
 
     if measure == "first_piola":
         stress = stress.reshape(*points, 3, 3).swapaxes(-1, -2)
@@ -265,9 +362,8 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
         if tangent:
             moduli = moduli.reshape(*points, 6, 6)[..., _SIX, :][..., _SIX]  # [column, row]
             moduli = np.moveaxis(moduli, (-4, -3), (-2, -1))
-    after = after.reshape(*points, 8)
     return Step(stress, moduli, energy.reshape(points), State(G=after[..., 0], stretch=after[..., 2], n0=after[..., 5:]),
-                after[..., 1], after[..., 3], after[..., 4], status.reshape(points))
+                after[..., 1], after[..., 3], after[..., 4], status)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -299,14 +395,23 @@ def simulate(muscle: Parameters, time: ArrayLike, stretch: ArrayLike, *, G: floa
     time = _array("time", time)
     if time.ndim != 1 or time.size == 0:
         raise ValueError(f"time has shape {time.shape}: must be (n,), n >= 1")
-    if not np.all(np.isfinite(time)) or np.any(np.diff(time) <= 0):
-        raise ValueError("time: must be finite and increase from entry to entry")
-    stretch = np.ascontiguousarray(_over_points("stretch", stretch, time.shape))
-    for i in np.flatnonzero(~(np.isfinite(stretch) & (stretch > 0))):
+    wrong = ~np.isfinite(time)
+    wrong[1:] |= ~(np.diff(time) > 0)
+    for i in np.flatnonzero(wrong):
+        after = f" after {time[i - 1]:g}" if i else ""
+        raise ValueError(f"time: must be finite and increase from entry to entry, is {time[i]:g}{after} in entry {i}")
+    stretch = _array("stretch", stretch)
+    if stretch.shape not in ((), time.shape):
+        raise ValueError(f"stretch has shape {stretch.shape}: must be one number, or {time.shape} as time")
+    stretch = np.ascontiguousarray(np.broadcast_to(stretch, time.shape))
+    for i in np.flatnonzero(~_positive(stretch)):
         raise MyogrowthError(Status.BAD_ARGUMENT, (int(i),), f"stretch = {stretch[i]:g}: must be finite and > 0")
-    _demand_positive("G", _array("G", float(G)))
-    rows, status, done = _core.simulate(muscle._props(), np.ascontiguousarray(time), stretch, float(G))
+    G = _number("G", G)
+    if not _positive(G):
+        raise MyogrowthError(Status.BAD_STATE, None, f"G = {G:g}: must be > 0 and finite")
+    rows, status, done = _core.simulate(muscle._props(), np.ascontiguousarray(time), stretch, G)
     if status != Status.OK:
-        raise MyogrowthError(status, (done,), _core.status_text(status))
+        text = "a result is beyond the range of double" if status == Status.NOT_FINITE else _core.status_text(status)
+        raise MyogrowthError(status, (done,), f"stretch = {stretch[done]:g} at time {time[done]:g}: {_by_name(text)}")
     G_, lambda_e, lateral, cauchy, J = rows.T
     return History(time, stretch, G_, lambda_e, lateral, cauchy * J / stretch, cauchy, J)

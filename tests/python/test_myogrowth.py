@@ -1,7 +1,12 @@
 """The Python module against the paper's law by hand, differences of itself, and the one-element driver."""
+import copy
 import csv
+import dataclasses
+import decimal
+import fractions
 import os
 import pathlib
+import pickle
 import re
 import subprocess
 import threading
@@ -223,6 +228,156 @@ def test_wrong_kinds():
         update([16, 4, 0.5, 2, 1.1, 1.01], np.eye(3), 0.1)
     with pytest.raises(TypeError, match="state: must be a State"):
         update(MUSCLE, np.eye(3), 0.1, 1.0)
+
+
+EYE = np.eye(3)
+LOSSY = [  # what NumPy itself would turn into doubles, or drop a part of
+    (np.ma.array(1.1 * EYE, mask=EYE == 0), "masked, with 6 hidden values"),
+    ([np.ma.array(row, mask=[False, True, False]) for row in 1.1 * EYE], "masked, with 1 hidden"),
+    (1.1 * EYE + 0j, "must be real"),
+    ((1.1 * EYE).astype(np.complex64), "must be real"),
+    ((1.1 * EYE).astype(str), "must be numbers"),
+    ((1.1 * EYE).astype(bytes), "must be numbers"),
+    ((1.1 * EYE).astype(object), "must be numbers, is .* of type object"),
+    ([[1, 0, 0], [0, None, 0], [0, 0, 1]], "must be numbers"),
+    ([[1, 0, 0], [0, True, 0], [0, 0, 1]], "must be numbers, is True"),
+    (EYE == 1, "must be numbers, is .* of type bool"),
+    (np.zeros((3, 3), "datetime64[D]"), "must be numbers"),
+    (np.zeros((3, 3), "timedelta64[D]"), "must be numbers"),
+    (np.zeros((3, 3), [("a", float)]), "must be numbers"),
+    ([[1, 0, 0], [0, 2**53 + 1, 0], [0, 0, 1]], r"integers must be within"),
+    ([[1, 0, 0], [0, 10**400, 0], [0, 0, 1]], "must be numbers"),
+    (EYE * np.longdouble("1e4000"), "within the range of double"),
+    (EYE.view(type("Quantity", (np.ndarray,), {})), "must be a plain array, is a Quantity"),
+    ([[1, 0], [0, 1, 0], [0, 0, 1]], "must be numbers"),
+    (None, "must be numbers"),
+]
+
+
+@pytest.mark.parametrize("F, message", LOSSY)
+def test_what_would_lose_something_is_refused_by_name(F, message):
+    with pytest.raises(ValueError, match="^F: .*" + message):
+        update(MUSCLE, F, 0.1)
+    row = F[0] if isinstance(F, (list, np.ndarray)) else F
+    for name, call in (("state.G", lambda x: update(MUSCLE, np.broadcast_to(EYE, (3, 3, 3)), 0.1, State(G=x))),
+                       ("state.stretch", lambda x: update(MUSCLE, np.broadcast_to(EYE, (3, 3, 3)), 0.1, State(stretch=x))),
+                       ("state.n0", lambda x: update(MUSCLE, EYE, 0.1, State(n0=x))),
+                       ("time", lambda x: simulate(MUSCLE, x, 1.1)), ("stretch", lambda x: simulate(MUSCLE, [0, 1, 2], x))):
+        if not isinstance(row, list):
+            with pytest.raises(ValueError, match=f"^{name}: .*"):
+                call(row)
+
+
+@pytest.mark.parametrize("value", [1j, True, "0.1", None, [0.1], np.array([0.1]), np.ma.masked, decimal.Decimal(1),
+                                   fractions.Fraction(1, 2), np.datetime64("2020-01-01"), 10**400, np.longdouble("1e4000")])
+def test_single_numbers(value):
+    with pytest.raises(ValueError, match="^dt"):
+        update(MUSCLE, EYE, value)
+    with pytest.raises(ValueError, match="^G"):
+        simulate(MUSCLE, [0, 1], 1.1, G=value)
+    for parameter in parameters():
+        if parameter.name not in ("energy", "integration"):
+            with pytest.raises(MyogrowthError, match=f"^{parameter.name} = .*: must be a number"):
+                Parameters(**{parameter.name: value})
+
+
+def test_every_kind_of_float_and_integer_is_the_same_number():
+    F = np.array([[1.125, 0.25, 0], [0, 1, 0], [0, 0, 1]])
+    wanted = update(MUSCLE, F, 0.125).stress
+    for kind in ("f2", "f4", ">f4", "<f8", ">f8", np.longdouble):
+        np.testing.assert_array_equal(update(MUSCLE, F.astype(kind), np.float32(0.125)).stress, wanted)
+    turned = F[::-1, ::-1].copy()[::-1, ::-1]
+    np.testing.assert_array_equal(update(MUSCLE, np.asmatrix(turned), np.array(0.125)).stress, wanted)
+    np.testing.assert_array_equal(update(MUSCLE, np.ma.array(F), 0.125).stress, wanted)  # nothing is hidden
+    assert simulate(Parameters(c1=16), np.arange(3, dtype=">i2"), np.float16(1.125)).G[-1] == simulate(
+        MUSCLE, [0.0, 1, 2], 1.125).G[-1]
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: update(MUSCLE, EYE, np.nan), "^dt = nan: must be finite"),
+    (lambda: update(MUSCLE, EYE, np.inf, raise_on_failure=False), "^dt = inf: must be finite"),
+    (lambda: update(MUSCLE, np.broadcast_to(EYE, (3, 3, 3)), 0.1, State(n0=1.0)), r"state.n0 has shape \(\)"),
+    (lambda: update(MUSCLE, np.broadcast_to(EYE, (3, 3, 3)), 0.1, State(n0=np.ones((3, 1)))), r"state.n0 has shape \(3, 1\)"),
+    (lambda: update(MUSCLE, np.broadcast_to(EYE, (2, 3, 3, 3)), 0.1, State(G=np.ones(3))), r"state.G has shape \(3,\)"),
+    (lambda: simulate(MUSCLE, [0, 1], [1.1]), r"stretch has shape \(1,\)"),
+    (lambda: simulate(MUSCLE, [0, np.nan], 1.1), "time: must be finite .* is nan after 0 in entry 1"),
+    (lambda: simulate(MUSCLE, [0, 1], 1.1, G=np.inf), "G = inf: must be > 0 and finite"),
+    (lambda: update(MUSCLE, EYE, 0.1, measure=["cauchy"]), r"measure = \['cauchy'\]: must be"),
+    (lambda: Parameters(energy=np.array(["grown", "grown"])), "^energy = .*: must be 'reference' or 'grown'"),
+])
+def test_more_bad_arguments(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+@pytest.mark.parametrize("call, message", [
+    (lambda: update(MUSCLE, EYE, 0.1, tangent="no"), "tangent = 'no': must be True or False"),
+    (lambda: update(MUSCLE, EYE, 0.1, raise_on_failure=0), "raise_on_failure = 0: must be True or False"),
+    (lambda: Parameters(16, 4), "Parameters takes its values by name, e.g. c1=16"),
+    (lambda: State(1.1), "State takes its values by name, e.g. G=1.1"),
+])
+def test_more_wrong_kinds(call, message):
+    with pytest.raises(TypeError, match=message):
+        call()
+
+
+def test_every_number_of_a_point_that_failed_is_nan():
+    """One point for each thing that can be wrong; nothing speaks of the UMAT's PROPS and STATEV."""
+    F = np.broadcast_to(1.1 * EYE, (9, 3, 3)).copy()
+    G, stretch, n0 = np.ones(9), np.ones(9), np.tile([1.0, 0, 0], (9, 1))
+    F[1, 0, 1], F[2, 0, 0], F[3], n0[4], n0[5, 1], G[6], stretch[7], G[8] = np.nan, -1, 1e200 * EYE, 0, np.inf, 0, 0, -np.inf
+    state = State(G=G, stretch=stretch, n0=n0)
+    kinds = [Status.OK, Status.NOT_FINITE, Status.INVERTED, Status.NOT_FINITE, Status.NO_FIBRE, *[Status.BAD_STATE] * 4]
+    for integration in ("backward_euler", "midpoint_flow"):
+        muscle = Parameters(integration=integration)
+        step = update(muscle, F, 0.1, state, tangent=True, raise_on_failure=False)
+        assert step.status.tolist() == kinds
+        assert step.failed.tolist() == [False] + 8 * [True]
+        for values in (step.stress, step.tangent, step.energy, step.lambda_e, step.J, step.Je):
+            assert np.isfinite(values[0]).all() and np.isnan(values[1:]).all()
+        for after, before in ((step.state.G, G), (step.state.stretch, stretch), (step.state.n0, n0)):
+            np.testing.assert_array_equal(after[1:], before[1:])
+    texts = ["", r"F\[0, 1\] = nan: must be finite", "det F = -1.21: must be > 0", "not finite: a result is beyond", "no fibre: n0 = 0",
+             r"n0\[1\] = inf: must be finite", "G = 0: must be > 0 and finite", "stretch = 0: must be > 0 and finite",
+             "G = -inf: must be > 0 and finite"]
+    for i in range(1, 9):
+        with pytest.raises(MyogrowthError, match="^" + texts[i]) as error:
+            update(MUSCLE, F[i], 0.1, State(G=G[i], stretch=stretch[i], n0=n0[i]))
+        assert error.value.status == kinds[i] and error.value.point == ()
+        assert not re.search("PROPS|STATEV|DEPVAR|DFGRD", str(error.value))
+    with pytest.raises(MyogrowthError, match=r"^point 1: F\[0, 1\] = nan.* \(7 more of 9 points failed\)$"):
+        update(MUSCLE, F, 0.1, state)
+
+
+def test_nothing_speaks_of_entries_by_number():
+    for parameter in parameters():
+        assert not re.search(r"PROPS|NPROPS|DEPVAR|\d\d-\d\d", parameter.meaning + parameter.allowed)
+    for bad in (-100, np.nan, np.inf):
+        for parameter in parameters():
+            if parameter.name not in ("energy", "integration"):
+                given = {"tau_rev": 1, "gamma_rev": 1, "G_min": 0.5, "lambda_crit_rev": 0.9, parameter.name: bad}
+                with pytest.raises(MyogrowthError, match=f"^{parameter.name} = ") as error:
+                    Parameters(**given)
+                assert not re.search(r"PROPS|NPROPS|DEPVAR|\d\d-\d\d", str(error.value))
+
+
+def test_parameters_stay_checked_and_can_be_copied_and_sent():
+    muscle = Parameters(tau=2, energy="grown")
+    with pytest.raises(dataclasses.FrozenInstanceError, match="tau"):
+        muscle.tau = -1
+    with pytest.raises(dataclasses.FrozenInstanceError, match="Gmax"):
+        muscle.Gmax = 1.2
+    with pytest.raises(MyogrowthError, match="^tau = -1: "):
+        dataclasses.replace(muscle, tau=-1)
+    assert isinstance(Parameters(tau=np.array(2)).tau, float)
+    for same in (copy.copy(muscle), copy.deepcopy(muscle), pickle.loads(pickle.dumps(muscle))):
+        assert same == muscle and hash(same) == hash(muscle)
+    with pytest.raises(MyogrowthError) as error:
+        update(muscle, -EYE[None], 0.1)
+    back = pickle.loads(pickle.dumps(error.value))
+    assert (back.status, back.point, str(back)) == (Status.INVERTED, (0,), str(error.value))
+    step = pickle.loads(pickle.dumps(update(muscle, 1.1 * EYE, 0.1)))
+    assert step.state.G > 1
 
 
 def test_others_may_run_while_the_law_works():
