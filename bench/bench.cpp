@@ -1,6 +1,6 @@
-// Times the law and what else one could use in its place, on the same points in one run, with the repetitions
-// of all interleaved at random, and checks every result against the kernel's. ./run bench; report.py makes
-// the tables.
+// Times the law and other implementations of it, on the same points in one run, with all repetitions
+// interleaved at random, and compares every result with the kernel's. ./run bench; report.py makes the
+// tables.
 #include <benchmark/benchmark.h>
 
 #include <atomic>
@@ -27,7 +27,7 @@ void time_it(benchmark::State& state, const Variant& variant, const Points& poin
   const bool is_streamed = points.size == streamed;
   const std::size_t share = is_streamed ? streamed / threads : in_cache;
   const Work w{points, growth, gamma, share * thread, share * (thread + 1)};
-  if (thread == 0) {  // what the variant before has left must not pass for this one's
+  if (thread == 0) {  // results of the previous variant must not be taken for those of this one
     const double nan = std::numeric_limits<double>::quiet_NaN();
     std::fill_n(memory.begin(), room * points.size, nan);
   }
@@ -52,7 +52,7 @@ void time_it(benchmark::State& state, const Variant& variant, const Points& poin
   state.counters["difference"] = counter(worst);
 }
 
-/// STREAM's Scale: what the memory gives to reading and writing (and to reading what is to be written).
+/// STREAM's Scale: the memory bandwidth for reading and writing (memory that is written is read first).
 void copy(benchmark::State& state) {
   const auto threads = static_cast<std::size_t>(state.threads());
   const auto thread = static_cast<std::size_t>(state.thread_index());
@@ -73,7 +73,7 @@ void copy(benchmark::State& state) {
   state.counters["bytes_read"] = state.counters["bytes_written"] = counter(8);
 }
 
-/// Adds the kernel's flops and library functions a growing point to what is written out.
+/// Adds the kernel's flops and library functions per growing point to the output.
 void tell_flops(const Points& points) {
   for (const double gamma : gammas) {
     myogrowth::FibreGrowth<Counted> m;
@@ -98,7 +98,7 @@ void tell_flops(const Points& points) {
 
 int main(int argc, char** argv) {
   using namespace bench;
-  // Repetitions of all variants at random, so that none has the machine's bad moments for itself.
+  // Repetitions of all variants in random order, so that a slow moment of the machine does not hit only one.
   std::vector<std::string> text = {argv[0], "--benchmark_enable_random_interleaving=true",
                                    "--benchmark_repetitions=9", "--benchmark_min_time=0.02"};
   text.insert(text.end(), argv + 1, argv + argc);
@@ -121,7 +121,7 @@ int main(int argc, char** argv) {
       for (int g = 0; g < n_growths; ++g) {
         for (const double gamma : gammas) {
           for (const Variant& variant : all) {
-            if (variant.second_order && points == &large) continue;  // arithmetic alone
+            if (variant.second_order && points == &large) continue;  // limited by arithmetic, not by memory
             const auto growth = static_cast<Growth>(g);
             const std::string name =
                 variant.name + "/" + place + "/" + growth_name[g] + "/" + short_text(gamma);

@@ -1,9 +1,9 @@
-"""Counts the instructions a point costs, and fails where they have grown.
+"""Counts the instructions per point, and fails if they have increased.
 
-The figure is deterministic, unlike a time: what callgrind counts in our own code, for growing points, by the
-difference of two runs. The system's libraries are left out, because they choose their code by the processor. The
-figures kept in instructions.json belong to one compiler and its flags; for another there is nothing to compare with.
-A change that is meant to cost more says so by --update.
+The figure is deterministic, unlike a time: callgrind's count in our own code, for growing points, as the difference of
+two runs. The system's libraries are left out, because they choose their code by the processor. The figures in
+instructions.json belong to one compiler and its flags; for another compiler there is nothing to compare with. For a
+change that is meant to cost more, keep the new figures with --update.
 """
 import argparse
 import json
@@ -48,7 +48,7 @@ def own_instructions(callgrind_file):
 
 
 def count(driver, variant, gamma):
-    """Instructions a point."""
+    """Instructions per point."""
     totals = []
     for passes in (1, 3):
         with tempfile.TemporaryDirectory() as folder:
@@ -75,7 +75,7 @@ def main():
     counted = {f"{variant}, gamma {gamma}": count(a.driver, variant, gamma) for variant in variants for gamma in GAMMAS}
     before = kept.get(key, {})
     grown = []
-    print(f"{'instructions a point':40}{'kept':>8}{'now':>8}")
+    print(f"{'instructions per point':40}{'kept':>8}{'now':>8}")
     for name, now in counted.items():
         was = before.get(name)
         bad = was is None or now > (1 + GROWTH_ALLOWED) * was
@@ -89,7 +89,7 @@ def main():
         sys.exit(f"FAILED: more than {100 * GROWTH_ALLOWED:g} % more instructions, or none kept: {'; '.join(grown)}.\n"
                  "If that is meant, keep the new figures: ./run instructions --update")
     elif any(counted.get(name, was) < (1 - GROWTH_ALLOWED) * was for name, was in before.items()):
-        print("fewer than before: ./run instructions --update keeps it so")
+        print("fewer than before: keep the new figures with ./run instructions --update")
 
 
 main()

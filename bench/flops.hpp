@@ -1,4 +1,4 @@
-// A number that counts what is done with it: the kernel, run on it, tells the flops of a point.
+// A number that counts its operations: the kernel, run with it, gives the flops of a point.
 #ifndef MYOGROWTH_BENCH_FLOPS_HPP
 #define MYOGROWTH_BENCH_FLOPS_HPP
 
@@ -10,7 +10,7 @@ namespace bench {
 
 struct Counted {
   static inline long flops = 0;      ///< + - * / and square roots
-  static inline long functions = 0;  ///< logarithms and powers that are not made of these
+  static inline long functions = 0;  ///< logarithms and powers that do not consist of these
 
   double x = 0;
   constexpr Counted() = default;
@@ -40,7 +40,7 @@ struct Counted {
   friend Counted log(Counted a) { return function(std::log(a.x)); }
   friend Counted exp(Counted a) { return function(std::exp(a.x)); }
   friend Counted expm1(Counted a) { return function(std::expm1(a.x)); }
-  /// As myogrowth::power does it for plain numbers: halves and wholes by multiplication.
+  /// As in myogrowth::power for plain numbers: multiples of one half by multiplication and square root.
   friend Counted pow(Counted a, Counted b) {
     const double twice = 2 * b.x;
     if (!(twice >= 0 && twice < 18 && twice == std::floor(twice))) return function(std::pow(a.x, b.x));

@@ -1,6 +1,7 @@
 // Runs one of our variants over growing points a given number of times, for a tool that counts instructions:
-//   instructions VARIANT GAMMA PASSES     (without arguments: what it was built with, and the variants)
-// count_instructions.py takes the difference of two numbers of passes, in which all but the variant cancels.
+//   instructions VARIANT GAMMA PASSES     (without arguments: compiler and flags, and the variants)
+// count_instructions.py takes the difference of two runs with different numbers of passes, in which
+// everything except the variant cancels.
 #include <cstdio>
 #include <cstdlib>
 
@@ -11,7 +12,8 @@ int main(int argc, char** argv) {
   const std::vector<Variant> variants = ours();
   if (argc == 1) {
     std::printf("%s\n", MYOGROWTH_BUILT_WITH);
-    for (const Variant& variant : variants) {  // valgrind knows no AVX-512, and a choice is the machine's
+    for (const Variant& variant :
+         variants) {  // valgrind has no AVX-512, and `fastest` depends on the machine
       if (variant.isa == Isa::base || variant.isa == Isa::avx2) std::printf("%s\n", variant.name.c_str());
     }
     return 0;
@@ -23,7 +25,7 @@ int main(int argc, char** argv) {
   for (const Variant& variant : variants) {
     if (variant.name != argv[1]) continue;
     for (int pass = std::atoi(argv[3]); pass > 0; --pass) variant.pass(work);
-    std::printf("%zu\n", points.size);  // points a pass
+    std::printf("%zu\n", points.size);  // points per pass
     return 0;
   }
   std::fprintf(stderr, "no variant '%s'\n", argv[1]);

@@ -1,6 +1,6 @@
 """What the MPI example costs: mpi_scaling.py MUSCLE [PART=loops,krylov,ranks,weak]; Markdown tables on the screen.
 
-CPU seconds are a rank's (mean), which a busy machine falsifies less than the clock. `loops` runs the two loops in turn.
+CPU seconds are those of a rank (mean); a busy machine distorts them less than the clock. `loops` alternates the two loops.
 """
 import json
 import pathlib
@@ -38,12 +38,12 @@ def row(name, s):
 
 
 def head(title):
-    print(f"\n{title}\n\n| | {' | '.join(STAGES)} | CPU a rank | Newton | GMRES a solve | wall | MB a rank |\n|{'---|' * 11}", flush=True)
+    print(f"\n{title}\n\n| | {' | '.join(STAGES)} | CPU per rank | Newton | GMRES per solve | wall | MB per rank |\n|{'---|' * 11}", flush=True)
 
 
 def loops(muscle):
     for elements, repetitions in ((5120, 3), (51200, 1)):
-        head(f"{elements} elements, 6 steps, one rank, CPU s: the loop one would write first, ours, and ours as it is by default")
+        head(f"{elements} elements, 6 steps, one rank, CPU s: the loop one would write first, ours, and ours with its defaults")
         ratios = []
         for _ in range(repetitions):
             dense = row("dense", run(muscle, 1, elements, {**AS_PROTOTYPE, "Solver/Assembly": "dense"}))
@@ -66,7 +66,7 @@ def ranks(muscle):
 
 
 def weak(muscle):
-    head("5,120 elements a rank, 6 steps: a muscle of 400 mm, and one of 800 mm on two ranks")
+    head("5,120 elements per rank, 6 steps: a muscle of 400 mm, and one of 800 mm on two ranks")
     row("1 rank", run(muscle, 1, 5120, {}))
     row("2 ranks", run(muscle, 2, 10240, {"Geometry/Length": 800, "Ends/Pull": 48}))
 

@@ -1,4 +1,5 @@
-// The material points that every variant is timed on: seeded, random, and as an analysis has them.
+// The material points that every variant is timed on: random with a fixed seed, and similar to those of an
+// analysis.
 #ifndef MYOGROWTH_BENCH_POINTS_HPP
 #define MYOGROWTH_BENCH_POINTS_HPP
 
@@ -19,14 +20,14 @@ constexpr const char* growth_name[n_growths] = {"active", "half", "inactive"};
 constexpr int nstatv = 8;  ///< of libmyogrowth_umat: G, four results, the fibre
 constexpr double dtime = 0.1, G_max = 1.1, lambda_crit = 1.01;
 
-/// PROPS: Table 1 of the paper, but for gamma.
+/// PROPS: Table 1 of the paper, except gamma.
 inline std::vector<double> props(double gamma, bool second_order = false) {
   std::vector<double> all = {16, 4, 0.5, gamma, G_max, lambda_crit, 1, 0, 0};
   if (second_order) all.insert(all.end(), {0, 0, 1});
   return all;
 }
 
-/// Numbers that begin with a cache line, so that no pack lies across two.
+/// Numbers aligned to a cache line, so that no pack crosses two.
 template <class T>
 struct OnCacheLine {
   using value_type = T;
@@ -47,14 +48,14 @@ constexpr std::size_t in_blocks(std::size_t components, std::size_t p, std::size
 }
 
 /// Inputs of `size` points, a multiple of bench_block, in the layouts that the variants take. F, and with it
-/// the load on the memory, is the same whatever grows: it is the sarcomere number at the start of the step
-/// that decides.
+/// the memory traffic, does not depend on which points grow: this is set by the sarcomere number at the start
+/// of the step.
 struct Points {
   std::size_t size;
-  Numbers F, n0;                ///< 9 and 3 a point
-  Numbers G_n[n_growths];       ///< 1 a point
-  Numbers statev_n[n_growths];  ///< nstatv a point
-  Numbers lambda_n;             ///< 1 a point: the stretch is held through the step
+  Numbers F, n0;                ///< 9 and 3 per point
+  Numbers G_n[n_growths];       ///< 1 per point
+  Numbers statev_n[n_growths];  ///< nstatv per point
+  Numbers lambda_n;             ///< 1 per point: the stretch is held through the step
   Numbers F_blocks, n0_blocks;  ///< the same in blocks
 
   explicit Points(std::size_t size_)
@@ -72,7 +73,8 @@ struct Points {
       const auto direction = [&] {
         return Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
       };
-      // Stretch along the fibre, less than isochoric contraction across it, shear of 2 %, rotation up to 0.3.
+      // Stretch along the fibre, a contraction across it smaller than the isochoric one, shear of 2 %,
+      // rotation up to 0.3.
       const double lambda = between(1.03, 1.1);
       const Vector3d n = direction();
       const Matrix3d I = Matrix3d::Identity(), nn = n * n.transpose();
@@ -87,8 +89,7 @@ struct Points {
       for (std::size_t c = 0; c < 9; ++c) F_blocks[in_blocks(9, p, c)] = F[9 * p + c];
       for (std::size_t c = 0; c < 3; ++c) n0_blocks[in_blocks(3, p, c)] = n0[3 * p + c];
 
-      // A muscle that grows, anywhere between its start and the threshold; and one that has reached the
-      // threshold.
+      // A muscle that grows, anywhere between its start and the threshold; and a muscle at the threshold.
       const double growing = 1 + unit(random) * (lambda / 1.02 - 1);
       const double resting = lambda / between(1.0, 1.0095);
       G_n[active][p] = growing;

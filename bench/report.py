@@ -15,7 +15,7 @@ import sys
 
 REFERENCE = "umat_"
 BATCH = "batch AVX-512, "
-# (what, in which case, slower variant, faster variant, how many times the time at least), a growing point in cache.
+# (what, in which case, slower variant, faster variant, the least ratio of their times), a growing point in cache.
 GOALS = (
     ("Fortran -O2 over umat_, gamma 2.5", 2.5, "Fortran UMAT, -O2", REFERENCE, 1.7),
     ("Fortran -O2 over umat_, gamma 2", 2.0, "Fortran UMAT, -O2", REFERENCE, 2.8),
@@ -30,7 +30,7 @@ Timing = collections.namedtuple("Timing", "ns quartiles read written difference"
 
 
 def read(path):
-    """{variant: {case: Timing}}, the copy's ns an element by threads, and the run's context."""
+    """{variant: {case: Timing}}, the copy's ns per element for each number of threads, and the run's context."""
     data = json.loads(path.read_text())
     repetitions = collections.defaultdict(list)
     for b in data["benchmarks"]:
@@ -69,7 +69,7 @@ def print_times(variants):
     for place, threads in sorted({(c.place, c.threads) for c in cases}):
         columns = [c for c in cases if (c.place, c.threads) == (place, threads)]
         where = "in cache" if place == "cache" else "streamed through memory"
-        print(f"\nns a point, {where}, {threads} thread{'s' * (threads > 1)} (in brackets: over {REFERENCE})")
+        print(f"\nns per point, {where}, {threads} thread{'s' * (threads > 1)} (in brackets: over {REFERENCE})")
         print(f"{'':32}" + "".join(f"{f'{c.growth}, {c.gamma:g}':>17}" for c in columns))
         for variant, times in variants.items():
             if not any(c in times for c in columns):
@@ -86,8 +86,8 @@ def print_times(variants):
 
 
 def bound_of(variant, timing, copy_ns):
-    """Bytes that a point moves, and the ns that the copy takes for as many. What is written goes past the caches in the
-    batch; elsewhere, and in the copy, it is read first (write-allocate)."""
+    """Bytes that a point moves, and the ns that the copy takes for as many. The batch writes past the caches; elsewhere, and
+    in the copy, memory that is written is read first (write-allocate)."""
     moved = timing.read + (1 if variant.startswith("batch") else 2) * timing.written
     return moved, moved * copy_ns / 24
 

@@ -1,6 +1,6 @@
-// The variants that are timed and counted. Each is one line in `ours` or `peers`: a name, how many numbers a
-// point it reads and writes, how well it must agree with the kernel, a function that works through a range of
-// points, and one that reads its result at one of them.
+// The variants that are timed and counted. Each is one line in `ours` or `peers`: a name, how many numbers
+// per point it reads and writes, how well it must agree with the kernel, a function that works through a
+// range of points, and one that reads its result at one of them.
 #ifndef MYOGROWTH_BENCH_VARIANTS_HPP
 #define MYOGROWTH_BENCH_VARIANTS_HPP
 
@@ -23,10 +23,10 @@
 namespace bench {
 
 constexpr double gammas[] = {2, 2.5};
-constexpr std::size_t in_cache = 64;       ///< points a thread: 29 KB of the batch's data, which L1 holds
+constexpr std::size_t in_cache = 64;  ///< points per thread: 29 KB of the batch's data, which fit into L1
 constexpr std::size_t streamed = 5 << 16;  ///< points in all: 175 MB through the UMAT, more than caches hold
 
-/// What is given for a pass over the points [first, last).
+/// Input of a pass over the points [first, last).
 struct Work {
   const Points& points;
   Growth growth;
@@ -34,16 +34,16 @@ struct Work {
   std::size_t first, last;
 };
 
-/// Outputs, shared by all variants: room for 50 numbers a point.
+/// Outputs, shared by all variants: room for 50 numbers per point.
 constexpr std::size_t room = 6 + 36 + nstatv;
 inline Numbers memory;
 
-/// One point's result as the kernel gives it.
+/// The kernel's result for one point.
 struct Result {
   double tau[6], c[36], G;
 };
 
-/// What a variant's code is compiled for; `fastest`: it chooses for itself.
+/// The instruction set of a variant's code; `fastest`: chosen at run time.
 enum class Isa { base, avx2, avx512, fastest };
 inline bool has(Isa isa) {
 #if defined(__x86_64__)
@@ -64,7 +64,7 @@ using Reader = std::function<Result(const Work&, std::size_t point)>;
 
 struct Variant {
   std::string name;
-  int numbers_read, numbers_written;  ///< a point
+  int numbers_read, numbers_written;  ///< per point
   double tolerance;
   Pass pass;
   Reader read;
@@ -107,8 +107,7 @@ inline Result kernel_result(const Work& w, std::size_t p) {
   return r;
 }
 
-// --- UMATs, as a host calls them: each in a library of its own, the state copied so that it can be taken
-// again
+// --- UMATs, as a host calls them: each in its own library; the state is copied so that it can be used again
 
 inline Umat* load(const std::string& library) {
   void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -164,7 +163,7 @@ inline Variant umat_variant(const std::string& name, const std::string& library,
           second_order};
 }
 
-// --- the C API's many points, the arrays as a UMAT's
+// --- the C API for many points, with arrays laid out as for a UMAT
 
 inline void update_n_pass(const Work& w) {
   const std::vector<double> constants = props(w.gamma);
@@ -232,7 +231,7 @@ inline Variant batch_variant(const std::string& name, BenchBatchPass* pass, int 
 
 constexpr double closed_form = 1e-10, by_differences = 1e-6;
 
-/// This library's, as far as this machine can run them.
+/// The variants of this library that this machine can run.
 inline std::vector<Variant> ours() {
   std::vector<Variant> all = {
     umat_variant("umat_", "libmyogrowth_umat.so", closed_form),
@@ -264,7 +263,7 @@ inline std::vector<Variant> ours() {
   return all;
 }
 
-/// What others would write.
+/// Implementations as others would write them.
 inline std::vector<Variant> peers() {
   return {
       umat_variant("Fortran UMAT, -O2", "libpeer_fortran_O2.so", closed_form),

@@ -1,4 +1,4 @@
-// The stress alone is written, and forward dual numbers with six directions carry its derivatives. The local
+// Only the stress is written, and forward dual numbers with six directions carry its derivatives. The local
 // iteration runs on plain numbers; G then gets its derivatives by the implicit function theorem.
 #include <cmath>
 

@@ -1,5 +1,5 @@
-// The paper's equations as they stand, with Eigen's matrices: F_g, F_e, C_e, S_e and L_e, pulled back by F_g,
-// the consistent dS/dE, and all of it pushed forward to what a UMAT returns.
+// The paper's equations as they are written, with Eigen's matrices: F_g, F_e, C_e, S_e and L_e, pulled back
+// by F_g, the consistent dS/dE, and all of it pushed forward to what a UMAT returns.
 #include <Eigen/Dense>
 
 #include "growth.hpp"

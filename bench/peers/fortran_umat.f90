@@ -1,5 +1,5 @@
 ! The same law as a UMAT in the customary style: arrays, helper routines for 3x3 algebra, a local Newton iteration
-! for G, the consistent tangent in closed form by loops over the components. Complete, and neither tuned nor slowed.
+! for G, the consistent tangent in closed form by loops over the components. Complete; neither tuned nor slowed down.
 ! The fibre is STATEV(6:8), of unit length; PROPS are those of libmyogrowth_umat.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, &
                 temp, dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, &

@@ -1,4 +1,4 @@
-! What the Fortran UMATs beside this file have in common. Included, so that each of them is one file to the compiler.
+! Routines of the Fortran UMATs in this folder. They are included, so that each UMAT is one file for the compiler.
 
 ! One backward-Euler step of the growth law, with the consistent derivative dG/dlambda.
 subroutine local_newton(props, nprops, gn, lam, dt, g, dgdlam)

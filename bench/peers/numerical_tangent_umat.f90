@@ -1,5 +1,5 @@
-! The UMAT that most authors start with: the stress alone is written, and the tangent comes from forward differences of
-! it, seven evaluations a call (Sun, Chaikof and Levenston 2008, after Miehe 1996): dF = eps/2 (e_k⊗e_l + e_l⊗e_k) F.
+! The UMAT that most authors start with: only the stress is written, and the tangent comes from forward differences of
+! it, seven evaluations per call (Sun, Chaikof and Levenston 2008, after Miehe 1996): dF = eps/2 (e_k⊗e_l + e_l⊗e_k) F.
 ! The fibre is STATEV(6:8), of unit length; PROPS are those of libmyogrowth_umat.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, &
                 temp, dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, &

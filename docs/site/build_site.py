@@ -1,8 +1,8 @@
-"""Builds the site from the repository's own pages: Doxygen reads the headers, Sphinx makes one site of it all.
+"""Builds the site from the repository's own pages: Doxygen reads the headers, Sphinx makes one site from both.
 
 build_site.py OUT [--python FOLDER]     FOLDER: where the Python module was built, for its reference
 
-The pages are those of pages.txt, laid out for Sphinx as in the repository, so that their links hold in both.
+The pages are those of pages.txt, in the same folders for Sphinx as in the repository, so that links work in both.
 """
 import argparse
 import os
@@ -28,7 +28,7 @@ What each header is for: [manual](../docs/manual.md#the-c-headers). Names are in
 
 
 def listed():
-    """Captions and the pages below them that are there."""
+    """Captions and the existing pages below them."""
     groups = []
     for line in (SITE / "pages.txt").read_text().splitlines()[1:]:
         if line.startswith("#"):
@@ -39,15 +39,15 @@ def listed():
 
 
 def place_of(page):
-    """Where a page of the repository is in the site: README.md is its front page."""
+    """The place in the site of a page of the repository: README.md is the front page."""
     return pathlib.PurePosixPath("index.md" if page == "README.md" else page)
 
 
 def lay_out(source, target, pages):
-    """Copies a page and the pictures and files it links to; a link to a file of the repository becomes a download, one to
-    a folder leads to its README if that is a page, and else is no link."""
+    """Copies a page and the pictures and files it links to; a link to a file of the repository becomes a download. A
+    link to a folder leads to its README if that is a page; otherwise the link is removed."""
     text = (ROOT / source).read_text(encoding="utf-8")
-    text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", text, flags=re.S | re.M)  # a code host's way of saying it
+    text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", text, flags=re.S | re.M)  # the syntax of code hosts
     here = pathlib.PurePosixPath(source).parent
 
     def relinked(match):
@@ -111,7 +111,7 @@ def reference(target, with_python):
 
 
 def finish_theme(static):
-    """Debian's furo counts on a web server for a style sheet, and on modules, which browsers do not load from files."""
+    """Debian's furo needs a web server for a style sheet and for modules: browsers do not load modules from files."""
     shutil.copy(NORMALIZE, static / "styles")
     style = static / "styles/furo.css"
     style.write_text(style.read_text().replace("url(/javascript/normalize.css/normalize.css)", "url(normalize.css)"))

@@ -79,7 +79,7 @@ if (document.querySelector(".math")) {
 
 
 class Browser:
-    """A headless Chromium, led by chromedriver's web protocol."""
+    """A headless Chromium, controlled through chromedriver's web protocol."""
 
     def __init__(self, driver):
         self.process = subprocess.Popen([driver, "--port=0"], stdout=subprocess.PIPE, text=True)
@@ -96,7 +96,7 @@ class Browser:
     def call(self, path, body, method="POST"):
         request = urllib.request.Request(self.address + path, json.dumps(body).encode(), method=method,
                                          headers={"Content-Type": "application/json"})
-        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # this machine, never a proxy
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # on this machine: never through a proxy
         with opener.open(request, timeout=60) as answer:
             return json.load(answer)["value"]
 
@@ -118,7 +118,7 @@ class Browser:
 def faults_in_browser(folder, pages):
     driver = shutil.which("chromedriver")
     if not driver or not (shutil.which("chromium") or shutil.which("google-chrome")):
-        print("no Chromium here: not looked at in a browser")
+        print("no Chromium here: not checked in a browser")
         sys.exit(SKIPPED)
     browser, faults, pictures, formulas = Browser(driver), [], 0, 0
     start = time.monotonic()

@@ -21,7 +21,7 @@ pygments_style = "friendly"
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 
-# MathJax 2.7, a copy in the site itself: formulas are drawn as SVG, without a net.
+# MathJax 2.7, copied into the site: formulas are drawn as SVG, without a network.
 mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
 mathjax2_config = {
     "showMathMenu": False,
@@ -38,6 +38,6 @@ autodoc_member_order = "bysource"
 autodoc_type_aliases = {name: name for name in ("ArrayLike", "Floats", "Measure")}
 autodoc_preserve_defaults = True
 
-# Every header opens the namespaces anew, which Sphinx takes for second declarations.
+# Every header opens the namespaces again, which Sphinx takes for second declarations.
 logging.getLogger("sphinx.sphinx.domains.cpp").addFilter(
     lambda record: not re.search(r"Duplicate.*cpp:type:: (myogrowth|batch|simd)'", record.getMessage(), re.S))

@@ -1,4 +1,4 @@
-"""Holds the manual's tables of PROPS and STATEV against those that the UMAT itself prints.
+"""Compares the manual's tables of PROPS and STATEV with those that the UMAT itself prints.
 
 check_manual.py [--write] MANUAL PRINT_TABLES
 """
@@ -22,7 +22,7 @@ def main():
         with open(path, "w", encoding="utf-8") as f:
             f.write(manual[: found.start(1)] + tables + manual[found.end(1):])
     elif found.group(1) != tables:
-        sys.exit(f"{path}: its tables are not the code's; make them anew with ./run tables")
+        sys.exit(f"{path}: its tables differ from the code's; write them again with ./run tables")
 
 
 main()

@@ -1,4 +1,4 @@
-"""The checks of the site find what they are for; what pages quote is there. test_site.py ROOT DRIVER"""
+"""The checks of the site find the faults they are made for; quoted code exists. test_site.py ROOT DRIVER"""
 import pathlib
 import re
 import subprocess

@@ -1,10 +1,10 @@
-"""Writes docs/verification.md: every claim, the tests that hold it, and the figure that they print.
+"""Writes docs/verification.md: every claim, the tests that check it, and the figure that they print.
 
 verify.py BUILD [--write PAGE [--log LOG ...] | --check PAGE]
 
---write runs the tests of every claim with ctest and puts what they print into the page; with --log it takes what they
-printed from logs of ctest that are there (Testing/Temporary/LastTest.log). --check, a test itself, runs nothing: the
-page must have exactly the claims below, and ctest must know every test that they name.
+--write runs the tests of every claim with ctest and puts what they print into the page. With --log it takes the output
+from existing logs of ctest (Testing/Temporary/LastTest.log). --check, which is a test itself, runs nothing: the page must
+have exactly the claims below, and ctest must know every test that they name.
 """
 import argparse
 import json
@@ -20,9 +20,9 @@ NUMBER = r"([-+0-9.e]+)"
 
 class Claim(NamedTuple):
     text: str
-    tests: str  # a regular expression for names of ctest, whole
+    tests: str  # a regular expression for the whole name of a test in ctest
     prints: Optional[str] = None  # what they print; # is a number
-    figure: Optional[str] = None  # how it is reported: {0} the largest of the pattern's first number, {0-} the least
+    figure: Optional[str] = None  # how it is reported: {0} the largest of the pattern's first number, {0-} the smallest
     optional: bool = False  # its tests are left out where what they need is missing
 
 
@@ -158,7 +158,7 @@ def figure(claim, output):
 
 
 def named(claim):
-    """The tests of a claim as a reader would write them."""
+    """The tests of a claim, written for a reader."""
     return f"`{claim.tests}`".replace("\\", "").replace(".*", "*").replace("|", "\\|")
 
 
@@ -167,7 +167,7 @@ def report(build, logs):
     claimed = {claim.text: names_of(claim, known) for claims in CLAIMS.values() for claim in claims}
     for text, names in claimed.items():
         if not names or not all("command" in known[name] for name in names):
-            sys.exit(f"{text}: its tests are not there, or not built: {names}")
+            sys.exit(f"{text}: its tests do not exist, or are not built: {names}")
     outputs = outputs_of(logs or [run(build, sum(claimed.values(), []))])
     compiler = re.search(r"CMAKE_CXX_COMPILER:\w+=(.*)", (build / "CMakeCache.txt").read_text()).group(1)
     text = [INTRODUCTION, "These figures: " + subprocess.run([compiler, "--version"], capture_output=True, text=True)
@@ -201,7 +201,7 @@ def check(build, page):
     if missing and any(name.endswith("_NOT_BUILT") for name in known):
         print("not all tests are built here; not found:", *missing)
         sys.exit(SKIPPED)
-    faults += [f"{tests}: a claim rests on it, and ctest does not know it" for tests in missing]
+    faults += [f"{tests}: a claim names it, and ctest does not know it" for tests in missing]
     if faults:
         sys.exit("\n".join(faults))
     print(f"{len(claims)} claims, {sum(len(names_of(claim, known)) for claim in claims)} tests")
