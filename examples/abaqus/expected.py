@@ -1,4 +1,4 @@
-"""What the decks here should give: backward Euler with the increments that a deck itself asks for.
+"""The expected results of the decks in this folder: backward Euler with the increments that each deck asks for.
 
 expected.py [DECK ...]    prints the table of README.md
 
@@ -69,7 +69,7 @@ def history(deck):
         if "cax4" in name:
             area *= math.pi  # a circle of radius 1 mm
         elif "s4." in name:
-            area = 10 * a  # 10 mm x 1 mm, and the shell's section keeps its thickness
+            area = 10 * a  # 10 mm x 1 mm; the shell section keeps its thickness
         rows.append((t, G, lam / G, a, s_fibre, pressure if free == 1 else 0.0, s_fibre * area))
     return rows
 

@@ -3,7 +3,7 @@
 fibres_to_initial_conditions.py FIBRES.csv [--depvar 8|9] [-o BLOCK.inp]
 
 The field is a table with the header element,n1,n2,n3 and a row for each element: its label and its fibre direction in
-the reference configuration, of any length > 0. Blank lines and what follows # are ignored.
+the reference configuration, of any length > 0. Blank lines and text after # are ignored.
 """
 import argparse
 import csv
@@ -14,7 +14,7 @@ HEADER = ["element", "n1", "n2", "n3"]
 
 
 def read(path):
-    """{element: direction as it is written} in the order of the file; ValueError names the line and what it lacks."""
+    """{element: direction as it is written} in the order of the file; errors name the line and what was expected."""
     fibres, lines, headed = {}, {}, False
     with open(path, encoding="utf-8", newline="") as f:
         rows = csv.reader(line.split("#")[0] for line in f)
@@ -52,7 +52,7 @@ def read(path):
 
 
 def block(fibres, depvar):
-    """Abaqus takes the element and at most seven values in its first line, at most eight in those that follow."""
+    """Abaqus takes the element and at most seven values on the first line, and at most eight on each further line."""
     lines = ["*INITIAL CONDITIONS, TYPE=SOLUTION"]
     for element, direction in fibres.items():
         # G = 0 is taken as 1, "nothing grown yet"; the next four and STATEV(9) are results.
@@ -68,7 +68,7 @@ def main():
     p.add_argument("fibres", metavar="FIBRES.csv")
     p.add_argument("--depvar", type=int, choices=(8, 9), default=8,
                    help="what the deck's *DEPVAR says: 8, or 9 for plane stress, membranes and shells")
-    p.add_argument("-o", "--output", metavar="BLOCK.inp", help="file to write; the standard output without")
+    p.add_argument("-o", "--output", metavar="BLOCK.inp", help="file to write (default: standard output)")
     a = p.parse_args()
     try:
         text = block(read(a.fibres), a.depvar)

@@ -59,7 +59,7 @@ myogrowth: biceps femoris as a cylinder, {n_hex} C3D8 and {n_wedge} C3D6, 10 % s
 PROXIMAL, 1, 3
 DISTAL, 1, 2
 **
-** The first increment moves the end by less than a layer's height, so that no start can turn the last layer inside out.
+** The first increment moves the end by less than a layer's height, so that it cannot invert the last layer.
 *STEP, NAME=RAMP, NLGEOM=YES, UNSYMM=YES, INC=1000
 one day: stretched by 10 %
 *STATIC
@@ -108,7 +108,7 @@ def main():
     p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0], epilog=__doc__.split("\n\n")[2],
                                 formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--size", choices=FIRST, default="coarse", help="how fine the mesh is (default: %(default)s)")
-    p.add_argument("-o", "--output", metavar="DECK", help="file to write; the standard output without")
+    p.add_argument("-o", "--output", metavar="DECK", help="file to write (default: standard output)")
     a = p.parse_args()
     text = deck(a.size)
     if a.output:

@@ -3,17 +3,17 @@ C     direction, STATEV(6:8), before the analysis starts.
 C
 C     The table has the header element,n1,n2,n3 and a row for each
 C     element: its label and its fibre direction in the reference
-C     configuration, of any length > 0. Blank lines and what follows #
+C     configuration, of any length > 0. Blank lines and text after #
 C     are ignored. It is fibres.csv in the folder the job was started
 C     in, or the file named by the environment variable
 C     MYOGROWTH_FIBRES. An element that is not in it keeps zeros, for
 C     which the UMAT takes the direction in PROPS(7:9).
 C
-C     Abaqus may call SDVINI from several threads at a time, so the
-C     table is read once, by UEXTERNALDB at the start of the analysis,
-C     and only looked at thereafter. The interfaces are written out
-C     rather than left to ABA_PARAM.INC, so that any compiler takes
-C     this file; Abaqus/Standard is double precision throughout.
+C     Abaqus may call SDVINI from several threads at a time. The table
+C     is therefore read once, by UEXTERNALDB at the start of the
+C     analysis, and not changed after that. The interfaces are written
+C     out and not taken from ABA_PARAM.INC, so that any compiler
+C     accepts this file; Abaqus/Standard is in double precision.
 
       MODULE MYOGROWTH_FIBRES
       IMPLICIT NONE
@@ -24,7 +24,7 @@ C     N0(:,e) of element e, zero where the table has no such element
 
       CONTAINS
 
-C     Ends the analysis with a message; Abaqus's own take no % in it.
+C     Ends the analysis with a message; % is special to Abaqus.
       SUBROUTINE FAIL(TEXT)
       CHARACTER(LEN=*), INTENT(IN) :: TEXT
       CHARACTER(LEN=500) :: LINE
@@ -134,7 +134,7 @@ C     there is one. FAULT names the line and what was expected.
       END DO
       END SUBROUTINE PASS
 
-C     Takes the blanks out of a line, tabs and DOS's line ends too.
+C     Removes blanks, tabs and DOS line ends from a line.
       SUBROUTINE BLANKS(LINE)
       CHARACTER(LEN=*), INTENT(INOUT) :: LINE
       INTEGER :: I, J
@@ -147,8 +147,8 @@ C     Takes the blanks out of a line, tabs and DOS's line ends too.
       LINE(J+1:) = ' '
       END SUBROUTINE BLANKS
 
-C     Whether a line has four fields of what numbers are made of: READ
-C     itself would take 2*1., / and empty fields too.
+C     Whether a line has four fields that consist of the characters of
+C     numbers: READ itself would also accept 2*1., / and empty fields.
       LOGICAL FUNCTION IS_ROW(LINE)
       CHARACTER(LEN=*), INTENT(IN) :: LINE
       CHARACTER(LEN=*), PARAMETER :: DIGITS = '0123456789'

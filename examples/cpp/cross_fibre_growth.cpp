@@ -1,6 +1,6 @@
 // A growth law of one's own: hypertrophy. A muscle that is loaded for weeks adds sarcomeres in parallel, and
-// becomes thicker until the tension on each is what it was. Prints six weeks of it, and holds its tangent to
-// differences.
+// becomes thicker until the tension on each sarcomere is back at its old value. Prints six weeks of growth,
+// and compares the tangent with differences.
 #include <cmath>
 #include <cstdio>
 #include <myogrowth/growth_law.hpp>
@@ -16,14 +16,14 @@ struct CrossFibreGrowth {
 
   double limit() const { return capacity.G_max; }
 
-  // F_g = sqrt(g) (I - n0⊗n0) + n0⊗n0: across the fibre alone, det F_g = g.
+  // F_g = sqrt(g) (I - n0⊗n0) + n0⊗n0: only across the fibre, det F_g = g.
   template <class T>
   Mat3<T> growth_tensor(const T& g, const Vec3<T>& n0) const {
     const T thicker = sqrt(g);
     return thicker * Mat3<T>::Identity() + (T(1) - thicker) * n0 * n0.transpose();
   }
 
-  // dg/dt = k_g(g) <tension/tension_crit - 1>, the tension being the fibre's part of the Kirchhoff stress.
+  // dg/dt = k_g(g) <tension/tension_crit - 1>, where the tension is the fibre's part of the Kirchhoff stress.
   template <class T>
   T rate(const T& g, const Mat3<T>& Fe, const Vec3<T>& n0) const {
     const Mat3<T> tau = muscle.kirchhoff(left_cauchy_green(Fe));
@@ -51,7 +51,7 @@ int main() {
       std::printf("day %4.1f  cross-section %.4f  P_11 = %.4f kPa\n", step * dt, g, next.P(0, 0));
   }
 
-  // dP/dF of one step, growth included, against central differences of the same step.
+  // dP/dF of one step, growth included, compared with central differences of the same step.
   const double h = 1e-6;
   const LawUpdate step = update(law, elasticity, F, n0, 1.05, dt);
   double worst = 0;

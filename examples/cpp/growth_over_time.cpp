@@ -1,5 +1,5 @@
 // Six weeks of a muscle fibre held at 10 % stretch: prints the relative sarcomere number G over time.
-// Needs the headers alone:  g++ -std=c++17 -I include -I /usr/include/eigen3 growth_over_time.cpp
+// Needs only the headers:  g++ -std=c++17 -I include -I /usr/include/eigen3 growth_over_time.cpp
 #include <cstdio>
 #include <myogrowth/material.hpp>
 

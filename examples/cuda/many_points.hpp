@@ -1,5 +1,5 @@
-// The example's points in a structure of arrays, the step that is made of them, and how far two results are
-// apart. Host and device read the same; nothing here is CUDA's own.
+// The example's points in a structure of arrays, one time step of a point, and the difference of two results.
+// Host and device compile the same code; nothing here is specific to CUDA.
 #ifndef MYOGROWTH_EXAMPLES_MANY_POINTS_HPP
 #define MYOGROWTH_EXAMPLES_MANY_POINTS_HPP
 
@@ -13,12 +13,12 @@ namespace many_points {
 
 using namespace myogrowth;
 
-/// Numbers of the tangent a point.
+/// Numbers of the tangent per point.
 constexpr int tangent_size(Tangent tangent) { return tangent == Tangent::full ? 36 : 7; }
-/// Numbers a point that a step reads (F, n0, G) and writes (stress, G, tangent); dt is the same for all.
+/// Numbers per point that a step reads (F, n0, G) and writes (stress, G, tangent); dt is the same for all.
 constexpr int traffic(Tangent tangent) { return 9 + 3 + 1 + 6 + 1 + tangent_size(tangent); }
 
-/// Where the arrays are, on host or device; component c of point i is at [c n + i].
+/// Addresses of the arrays, on host or device; component c of point i is at [c n + i].
 template <class V>
 struct Arrays {
   std::ptrdiff_t n;
@@ -35,7 +35,7 @@ MYOGROWTH_FUNCTION Status step(const FibreGrowth<V>& material, const Arrays<V>& 
   return update_one<tangent>(material, i, in, out);
 }
 
-/// What goes in: stretched fibres of all directions, about three in four of which grow.
+/// Input: stretched fibres of all directions, about three in four of which grow.
 template <class V>
 struct Inputs {
   std::vector<V> F, n0, G_n, dt;
@@ -55,7 +55,7 @@ struct Inputs {
   }
 };
 
-/// What comes out.
+/// Output.
 template <class V>
 struct Results {
   std::vector<V> stress, G, tangent;
@@ -63,7 +63,7 @@ struct Results {
       : stress(6 * n), G(n), tangent(static_cast<std::size_t>(tangent_size(t)) * n) {}
 };
 
-/// Host arrays as a step takes them.
+/// Host arrays in the form that a step takes.
 template <class V>
 Arrays<V> arrays(const Inputs<V>& in, Results<V>& out) {
   return {static_cast<std::ptrdiff_t>(out.G.size()),
@@ -77,7 +77,7 @@ Arrays<V> arrays(const Inputs<V>& in, Results<V>& out) {
 }
 
 /// The largest differences between two results of all points: of G; of the Cauchy stress, relative to its
-/// norm and the stiffness c1 + 2 c2; of DDSDDE, relative to its norm. Infinite where one is not a number.
+/// norm and the stiffness c1 + 2 c2; of DDSDDE, relative to its norm. Infinite where a result is NaN.
 struct Differences {
   double G = 0, stress = 0, tangent = 0;
 };

@@ -1,5 +1,5 @@
-// One step of millions of material points on a CUDA device: checked against the same routine on the CPU, and
-// timed beside the device's own copy. docs/gpu.md says how to use the law in a kernel of your own.
+// One step of millions of material points on a CUDA device: compared with the same routine on the CPU, and
+// timed in turns with the device's own copy. docs/gpu.md says how to use the law in a kernel of your own.
 //
 //   nvcc -std=c++17 -O3 --expt-relaxed-constexpr -arch=native -I include examples/cuda/update_points.cu
 #include <algorithm>
@@ -15,15 +15,15 @@
 
 using namespace many_points;
 
-// A thread a point. Arrays of one component after the other: the 32 threads of a warp read and write
-// neighbours. At least 4 blocks a multiprocessor, that is up to 128 registers a thread: nothing is spilled.
+// One thread per point. Arrays of one component after the other: the 32 threads of a warp read and write
+// neighbours. At least 4 blocks per multiprocessor, that is up to 128 registers per thread: nothing is spilled.
 constexpr int block_threads = 128, least_blocks = 4;
 template <Tangent tangent, class V>
 __global__ void __launch_bounds__(block_threads, least_blocks)
     update(FibreGrowth<V> material, Arrays<V> arrays, unsigned long long* failed) {
   const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(blockIdx.x) * block_threads + threadIdx.x;
   if (i >= arrays.n) return;
-  // Said here, what the material does not use is left out of the code, and its registers with it.
+  // Set here, so that the compiler removes the code that the material does not use, and its registers.
   material.integration = TimeIntegration::backward_euler;
   material.removal.removal_time = 0;
   if (step<tangent>(material, arrays, i) != Status::ok) atomicAdd(failed, 1ull);
@@ -59,7 +59,7 @@ struct OnDevice {
   }
 };
 
-/// Seconds that the device takes.
+/// Time on the device [s].
 template <class Work>
 double seconds(const Work& work) {
   cudaEvent_t from, to;
@@ -148,7 +148,7 @@ bool run(const Options& o, const std::string& device, std::ostringstream& json) 
   const OnDevice<V> F(in.F), n0(in.n0), G_n(in.G_n), dt(in.dt);
   const OnDevice<V> stress(6 * n), G(n), moduli(from_device.tangent.size());
   const OnDevice<unsigned long long> failed(std::vector<unsigned long long>{0});
-  const OnDevice<char> copy_from(bytes / 2), copy_to(bytes / 2);  // read and written: `bytes` as well
+  const OnDevice<char> copy_from(bytes / 2), copy_to(bytes / 2);  // read and written: together `bytes`
   const Arrays<V> there{host.n, F.data, n0.data, G_n.data, dt.data, stress.data, G.data, moduli.data};
   const auto blocks = static_cast<unsigned>((n + block_threads - 1) / block_threads);
   const auto launch = [&] {
@@ -166,7 +166,7 @@ bool run(const Options& o, const std::string& device, std::ostringstream& json) 
   std::vector<unsigned long long> failures(1);
   failed.get(failures);
   const Differences d = largest_differences<tangent>(muscle, from_device, on_cpu);
-  // The two round differently: fused operations, other logarithms and powers.
+  // Device and CPU round differently: fused operations, other logarithms and powers.
   const double rounding = 64 * static_cast<double>(std::numeric_limits<V>::epsilon());
   const bool agree = failures[0] == 0 && d.G <= rounding && d.stress <= rounding && d.tangent <= rounding;
 

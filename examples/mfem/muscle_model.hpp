@@ -30,7 +30,7 @@ class MuscleModel : public mfem::HyperelasticModel {
   /// psi per unit reference volume.
   double EvalW(const mfem::DenseMatrix& F) const override { return update(F).point.psi; }
 
-  /// The first Piola-Kirchhoff stress; NaN where there is none (det F <= 0), which Newton's method notices.
+  /// The first Piola-Kirchhoff stress; NaN where det F <= 0, so that Newton's method stops.
   void EvalP(const mfem::DenseMatrix& F, mfem::DenseMatrix& P) const override {
     const Eigen::Matrix3d P_ = update(F).first_piola();
     for (int i = 0; i < 3; ++i) {
@@ -58,7 +58,8 @@ class MuscleModel : public mfem::HyperelasticModel {
     }
   }
 
-  /// The step has converged, and EvalP has been called at its end: what was reached is where the next begins.
+  /// To be called when the step has converged and EvalP has been called at its end: the result is the start
+  /// of the next step.
   void EndStep() { begin_ = end_; }
 
  private:

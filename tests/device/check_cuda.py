@@ -1,4 +1,4 @@
-"""The CUDA example: its command line, the registers that ptxas gave its kernels, and a run where there is a device.
+"""The CUDA example: its command line, the registers of its kernels by ptxas, and a run where there is a device.
 
 check_cuda.py FOLDER [unittest arguments]: the folder in which update_points was built; every class is a ctest.
 """

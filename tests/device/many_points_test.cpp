@@ -1,5 +1,5 @@
-// What a device's thread does (points.hpp, examples/cuda), done on the host: the same numbers as update_point
-// and the batch; that the example's comparison sees what differs; what single precision costs.
+// The routine of a device's thread (points.hpp, examples/cuda) on the host. It gives the same numbers as
+// update_point and the batch; the example's comparison detects differences; the error of single precision.
 #include <gtest/gtest.h>
 #include <myogrowth/batch.hpp>
 
@@ -121,7 +121,7 @@ TEST(SinglePrecision, GoodToItsRounding) {
   std::copy(in.n0.begin(), in.n0.end(), same.n0.begin());
   std::copy(in.G_n.begin(), in.G_n.end(), same.G_n.begin());
   std::copy(in.dt.begin(), in.dt.end(), same.dt.begin());
-  // (Table 1's numbers are not floats either: the material's rounding is part of the error.)
+  // (Table 1's numbers are not exact in float: the rounding of the material is part of the error.)
   const Results<float> single = stepped<Tangent::full>(muscle, in);
   const Results<double> exact = stepped<Tangent::full>(muscle_in_double, same);
   Results<double> lifted(many, Tangent::full);

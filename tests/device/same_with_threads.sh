@@ -1,4 +1,4 @@
-# same_with_threads.sh PROGRAM: whether it prints the same with any number of OpenMP threads.
+# same_with_threads.sh PROGRAM: checks that it prints the same with any number of OpenMP threads.
 one=$(OMP_NUM_THREADS=1 "$1") || exit 1
 echo "1 thread: $one"
 case "$one" in *" 0 without result"*) ;; *) exit 1 ;; esac

@@ -1,4 +1,4 @@
-// What the fuzzers make of the bytes that libFuzzer hands them: numbers, and arguments that are wild or sane.
+// Makes numbers and arguments, valid or wild, from the bytes that libFuzzer passes.
 #ifndef MYOGROWTH_TESTS_FUZZ_BYTES_HPP
 #define MYOGROWTH_TESTS_FUZZ_BYTES_HPP
 
@@ -9,7 +9,8 @@
 #include <cstring>
 #include <vector>
 
-/// Reads numbers off the fuzzer's bytes: telling ones by a single byte, any by nine. Zeros at the end.
+/// Reads numbers from the fuzzer's bytes: special values by a single byte, any value by nine. Zeros after the
+/// end.
 struct Bytes {
   const std::uint8_t* at;
   std::size_t left;
@@ -41,7 +42,8 @@ struct Bytes {
     for (double& x : all) x = number();
     return all;
   }
-  /// PROPS: two in four sane, one in four sane but for an entry, else of any kind and number.
+  /// PROPS: valid in two of four cases, valid except one entry in one of four, otherwise of any kind and
+  /// number.
   std::vector<double> props() {
     const unsigned kind = byte();
     if (kind % 4 == 3) return numbers(byte() % 20);
@@ -65,7 +67,7 @@ struct Bytes {
   std::vector<double> state(std::size_t n) {
     const unsigned kind = byte();
     if (kind % 4 == 3) return numbers(n);
-    std::vector<double> s(n, kind % 4 == 2 ? NAN : 0);  // what is not used may be anything
+    std::vector<double> s(n, kind % 4 == 2 ? NAN : 0);  // unused entries may have any value
     if (n > 0) s[0] = kind & 4 ? 1 + 0.3 * mild() : 0;
     for (std::size_t i = 5; i < 8 && i < n; ++i) s[i] = kind & 8 ? mild() : 0;
     if (kind & 16 && n > 0) s[byte() % n] = number();

@@ -1,5 +1,6 @@
-// Hosts of the UMAT as their sources have them, and the recipes of docs/hosts.md: right with, and where it
-// teaches something, wrong without. What a host does is told in our own words; where it stands is cited.
+// Mock hosts that call the UMAT as the sources of other codes do, and the recipes of docs/hosts.md: right
+// with the recipe and, where it is instructive, wrong without it. What a host does is described in our own
+// words, and its source is cited.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -20,7 +21,7 @@ using Six = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-// Table 1, and a fibre that no axis favours.
+// Table 1, and an oblique fibre.
 const Numbers muscle = {16, 4, 0.5, 2, 1.1, 1.01, 0.6, 0.48, 0.64};
 
 myogrowth::State<> at_rest() {
@@ -38,7 +39,7 @@ Matrix3d rotation_of(const Matrix3d& F) {  // Higham's iteration
   return R;
 }
 
-// A path that stretches by 15 % and turns by 10 degrees a step.
+// A path that stretches by 15 % and rotates by 10 degrees in each step.
 Matrix3d on_path(int step) {
   Matrix3d F = Eigen::Vector3d(1 + 0.015 * step, 1 - 0.004 * step, 1 + 0.002 * step).asDiagonal();
   F(0, 1) = 0.01 * step;
@@ -57,10 +58,10 @@ Matrix3d tensor(const double* six) {
 
 // ---- MOOSE
 // -------------------------------------------------------------------------------------------------
-// modules/solid_mechanics/src/materials/abaqus/AbaqusUMATStress.C, without `orientation`: all in three
-// dimensions; F is turned round to Fortran's order; STATEV starts at 0; PNEWDT comes in as DBL_MAX; DDSDDE is
-// read row by row, so transposed (issue 22225); the stress is turned by the increment's rotation afterwards,
-// unless decomposition_method is HughesWinget; CMNAME comes without its hidden length.
+// modules/solid_mechanics/src/materials/abaqus/AbaqusUMATStress.C, without `orientation`: always
+// three-dimensional; F is transposed to Fortran's order; STATEV starts at 0; PNEWDT comes in as DBL_MAX;
+// DDSDDE is read row by row, so transposed (issue 22225); the stress is rotated by the increment's rotation
+// afterwards, unless decomposition_method is HughesWinget; CMNAME comes without its hidden length.
 struct Moose {
   bool hughes_winget = true;
   Numbers state = Numbers(8, 0.0);
@@ -69,7 +70,7 @@ struct Moose {
   double material_timestep = 0;
 
   void compute(const Matrix3d& F, double dt) {
-    host::Call c;  // given without what MOOSE does not give: NOEL and COORDS are there, but not Abaqus's
+    host::Call c;  // as MOOSE calls it: NOEL and COORDS are passed, but with other values than in Abaqus
     c.props = muscle;
     c.statev = state;
     c.dtime = dt;
@@ -112,7 +113,7 @@ TEST(Moose, TheStressIsRightWithHughesWingetAlone) {
       if (hughes_winget) {
         EXPECT_LT(difference(moose.stress, u.cauchy()), 1e-14);
       } else {
-        EXPECT_GT(difference(moose.stress, u.cauchy()), 0.02);  // turned once more, by 10 degrees
+        EXPECT_GT(difference(moose.stress, u.cauchy()), 0.02);  // rotated once more, by 10 degrees
       }
       EXPECT_EQ(moose.material_timestep, DBL_MAX * 0.1);  // no limit
     }
@@ -126,13 +127,13 @@ TEST(Moose, AStepThatCannotBeTakenLimitsTheNext) {
   F(0, 0) = -1;
   moose.compute(F, 0.1);
   EXPECT_EQ(moose.material_timestep, 0.025);
-  EXPECT_TRUE(std::isnan(moose.stress(0, 0)));  // so that the solve fails, whoever reads the limit
+  EXPECT_TRUE(std::isnan(moose.stress(0, 0)));  // so that the solve fails, whether the limit is read or not
   EXPECT_EQ(moose.state[0], 0);
 }
 
 // A point that is stretched along x with its other stresses free, solved by Newton's method with the Jacobian
-// as the host has read it, or as it should have. Returns the iterations; F: the solution, of upper triangular
-// shape, so that there is one.
+// as the host reads it, or as it should. Returns the iterations; F: the solution, upper triangular, so that
+// it is unique.
 int free_sides(bool as_read, Matrix3d& F) {
   F = Matrix3d::Identity();
   F(0, 0) = 1.15;
@@ -186,9 +187,9 @@ TEST(Moose, TheTransposedJacobianCostsIterationsAndNothingElse) {
 // ---- COMSOL
 // ------------------------------------------------------------------------------------------------
 // UMAT4COMSOLfinite.c (github.com/sergiolucarini/UMAT4COMSOL): COMSOL's state has 22 entries more than the
-// UMAT's, and NSTATV counts them; NOEL and COORDS are PROPS(3:6); where PNEWDT < 1 the routine returns as if
-// all were well, its results as they were. The scalar arguments SSE, RPL, DRPLDT ... are by reference here;
-// as published they are by value, which no UMAT that writes to them survives (docs/hosts.md).
+// UMAT's, and NSTATV counts them; NOEL and COORDS are PROPS(3:6); where PNEWDT < 1 the routine returns
+// success with its old results. The scalar arguments SSE, RPL, DRPLDT ... are by reference here;
+// as published they are by value, which crashes every UMAT that writes to them (docs/hosts.md).
 struct Comsol {
   int user_states = 8;
   Numbers states;
@@ -197,7 +198,7 @@ struct Comsol {
 
   explicit Comsol(int n = 8) : user_states(n), states(static_cast<std::size_t>(n + 22), 0.0) {}
 
-  // `F` with rows as C has them. Returns 0: COMSOL goes on.
+  // `F` stored by rows, as in C. Returns 0: COMSOL continues.
   int eval(const Matrix3d& F, double delta, const Numbers& parameters) {
     host::Call c;
     c.props = parameters;
@@ -257,14 +258,14 @@ TEST(Comsol, StressAndJacobianAreThoseOfTheLaw) {
     }
     exact = u.state;
     EXPECT_EQ(comsol.states[0], exact.G);
-    EXPECT_NEAR(comsol.states[8], 0.1 * step, 1e-15);  // what the wrapper keeps is still its own
+    EXPECT_NEAR(comsol.states[8], 0.1 * step, 1e-15);  // the wrapper's entries are unchanged
   }
 }
 
 TEST(Comsol, FewerThanEightStatesAreWrittenOver) {
   Comsol comsol(4);
   comsol.eval(on_path(1), 0.1, muscle);
-  EXPECT_NE(comsol.states[4], 0.1);  // the wrapper's time, which Je and the fibre have overwritten
+  EXPECT_NE(comsol.states[4], 0.1);  // the wrapper's time, overwritten by Je and the fibre
 }
 
 TEST(Comsol, AFailedStepAndAdviceAreNotNoticed) {
@@ -277,15 +278,15 @@ TEST(Comsol, AFailedStepAndAdviceAreNotNoticed) {
   advised.insert(advised.end(), {0, 0, 0, 1e-9});  // PROPS(13): a tolerance that the step does not meet
   EXPECT_EQ(comsol.eval(on_path(5), 1, advised), 0);
   EXPECT_EQ(comsol.S, Matrix3d::Constant(-777));
-  EXPECT_GT(comsol.states[0], 1);  // and yet the state has moved
+  EXPECT_GT(comsol.states[0], 1);  // but the state has changed
 }
 
 // ---- WARP3D
 // ------------------------------------------------------------------------------------------------
-// src/rstgp1.f, drive_umat_update: six arguments more; PROPS are 50 numbers, 0 where nothing is said; STATEV
-// is zeroed in step 1; PNEWDT comes in as 1e6; the tangent is kept symmetric; what comes back is taken for
-// the unrotated Cauchy stress R^T sigma R unless umat_set_features says 1 in its third entry; SSE is added
-// up.
+// src/rstgp1.f, drive_umat_update: six more arguments; PROPS are 50 numbers, 0 where none is given; STATEV
+// is set to zero in step 1; PNEWDT comes in as 1e6; only the symmetric part of the tangent is kept; the
+// result is taken for the unrotated Cauchy stress R^T sigma R unless the third entry of umat_set_features is
+// 1; SSE is summed up.
 extern "C" {
 using WarpUmat = void(double*, double*, double*, double*, double*, double*, double*, double*, double*,
                       double*, const double*, const double*, const double*, const double*, const double*,
@@ -299,14 +300,14 @@ using WarpUmat = void(double*, double*, double*, double*, double*, double*, doub
 struct Warp3d {
   bool says_cauchy = true;
   Numbers props = muscle, state = Numbers(8, 0.0);
-  Matrix3d unrotated = Matrix3d::Zero();  // what it keeps
+  Matrix3d unrotated = Matrix3d::Zero();  // the stress that it stores
   Matrix6 tangent;
   double work = 0, pnewdt = 0;
 
   void update(const Matrix3d& F, double dtime) {
     Numbers fifty = props, statev = state;
     fifty.resize(50, 0.0);
-    statev.push_back(-999999.9);  // its guard behind the last
+    statev.push_back(-999999.9);  // its guard value after the last entry
     Six stress = Six::Zero();
     Matrix6 ddsdde = Matrix6::Zero();
     double sse = 0, spd = 0, scd = 0, rpl = 0, drpldt = 0, six[6] = {}, out[6] = {}, shared[5] = {};
@@ -351,7 +352,7 @@ TEST(Warp3d, TheStressIsRightIfItIsSaidToBeCauchys) {
       const Matrix6 c = u.ddsdde();
       EXPECT_LT((warp.tangent - (c + c.transpose()) / 2).norm(), 1e-12 * c.norm());
     }
-    EXPECT_GT(warp.work, 2 * work);  // its energies are sums of ours over the steps, and mean nothing
+    EXPECT_GT(warp.work, 2 * work);  // its energies are sums of ours over the steps, without meaning
   }
 }
 
@@ -366,12 +367,12 @@ TEST(Warp3d, AFibreThatIsNotGivenIsNamed) {
 
 // ---- code_aster
 // -------------------------------------------------------------------------------------------- bibfor,
-// lc0050.F90 and umatPrepareStrain.F90 (RELATION='UMAT'): strains and their increments come, small or
+// lc0050.F90 and umatPrepareStrain.F90 (RELATION='UMAT'): it passes strains and their increments, small or
 // logarithmic; DFGRD0 and DFGRD1 are all zero.
 TEST(CodeAster, ItsUmatHasNoDeformationToGive) {
   host::Call c;
   c.props = muscle;
-  c.F.setZero();  // whatever STRAN and DSTRAN say
+  c.F.setZero();  // whatever the values of STRAN and DSTRAN
   c.dtime = 1;
   c.run();
   EXPECT_EQ(c.stress, Six::Zero());  // undeformed: no stress, no growth, no message
@@ -441,7 +442,7 @@ TEST(Mfem, TheGradientIsThatOfTheResidual) {
   EXPECT_LT(worst, 1e-7 * size);
   EXPECT_GT(asymmetry, 1e-3 * size);
 
-  // The end of the step, and only of the point that was evaluated.
+  // The end of the step, only for the point that was evaluated.
   mfem::DenseMatrix P(3, 3);
   model.EvalP(gradient(x), P);
   EXPECT_EQ(model.state(2, 4).G, 1);

@@ -1,4 +1,4 @@
-// The routines of libMYOGROWTH, as CalculiX declares them: what has a name is used, the rest is not.
+// The routines of libMYOGROWTH, as CalculiX declares them: named arguments are used, the others are not.
 #ifndef MYOGROWTH_TESTS_CCX_HOST_HPP
 #define MYOGROWTH_TESTS_CCX_HOST_HPP
 

@@ -1,4 +1,4 @@
-// A forward dual number with one direction, as a user of the library would bring their own scalar.
+// A forward dual number with one direction, as an example of a user's own scalar type.
 #ifndef MYOGROWTH_TESTS_DUAL_HPP
 #define MYOGROWTH_TESTS_DUAL_HPP
 
@@ -10,7 +10,7 @@ namespace dual {
 struct Dual {
   double v = 0, d = 0;  // value and derivative
   Dual() = default;
-  Dual(double value) : v(value) {}  // NOLINT: constants convert silently, as with any number
+  Dual(double value) : v(value) {}  // NOLINT: constants convert implicitly, as with any number
   Dual(double value, double derivative) : v(value), d(derivative) {}
 };
 

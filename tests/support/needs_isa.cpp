@@ -1,6 +1,6 @@
-// Linked into tests that are compiled for more than the baseline: on a machine without it they end as
-// skipped. Compiled for the baseline itself, and run before any of their code, of which static initialisers
-// are part.
+// Linked into tests that are compiled for a larger instruction set: on a machine without it they end as
+// skipped. This file is compiled for the baseline and runs before any other code, static initialisers
+// included.
 #include <unistd.h>
 #include <cstdio>
 

@@ -68,7 +68,7 @@ inline Matrix exact(const Eigen::Matrix3d& F) {
   return A;
 }
 
-/// Root of backward Euler's equation by bracketing alone.
+/// Root of backward Euler's equation, only by bracketing.
 inline Real grow(const myogrowth::GrowthRate<>& rate, const Real& G_n, const Real& lambda, const Real& dt) {
   const Real tau = rate.growth_time, gamma = rate.gamma, G_max = rate.G_max, crit = rate.lambda_crit;
   if (lambda <= crit * G_n || G_n >= G_max || dt <= 0) return G_n;

@@ -57,7 +57,7 @@ inline Eigen::Matrix3d deformation(Random& r, double size) {
   }
 }
 
-/// What an update is made from.
+/// The input of an update.
 struct Point {
   myogrowth::FibreGrowth<> muscle;
   Eigen::Matrix3d F;
@@ -67,7 +67,7 @@ struct Point {
 
 enum class Kind { growing, below_threshold, saturated, elastic_step, any };
 
-/// A point of the kind asked for: oblique fibres of any length, large rotations, gamma 0.5 to 4, dt up to
+/// A random point of the given kind: oblique fibres of any length, large rotations, gamma 0.5 to 4, dt up to
 /// 10,000 tau.
 inline Point point(Random& r, Kind kind, double largest_dt = 1e4) {
   Point p;

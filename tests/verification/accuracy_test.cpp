@@ -1,6 +1,6 @@
-// The library against an independent evaluation in 50 digits: random oblique fibres, F up to 60 % off
+// The library compared with an independent evaluation in 50 digits: random oblique fibres, F up to 60 % off
 // identity, large rotations, dt up to 10,000 tau, gamma 0.5 to 4, both energy conventions. The tangents are
-// held against central differences of the reference's own discrete update.
+// compared with central differences of the reference's own discrete update.
 #include <gtest/gtest.h>
 
 #include "../support/reference.hpp"

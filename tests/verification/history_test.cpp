@@ -1,4 +1,4 @@
-// Six weeks of the paper's muscle against the exact solution of eq. 4: values, bounds and order of
+// Six weeks of the paper's muscle compared with the exact solution of eq. 4: values, bounds and order of
 // convergence.
 #include <gtest/gtest.h>
 
@@ -30,8 +30,7 @@ double exact_held(const GrowthRate<>& r, double lambda, double t, double G_0 = 1
   return (bracket.first + bracket.second) / 2;
 }
 
-/// G(t) under any smooth stretch history from t_0, by the classical Runge-Kutta method in steps far below its
-/// error.
+/// G(t) under any smooth stretch history from t_0, by the classical Runge-Kutta method with very short steps.
 double exact_flow(const GrowthRate<>& r, const std::function<double(double)>& stretch, double t_0, double t_1,
                   double G) {
   const int n = 20000;
@@ -103,7 +102,7 @@ TEST(History, RampThenHoldReferenceValues) {
   }
 }
 
-/// The least and the largest of the orders that a test meets, for its report.
+/// The smallest and largest order of convergence in a test, for its report.
 struct Orders {
   double least = 10, most = 0;
   void add(double order) { least = std::min(least, order), most = std::max(most, order); }
@@ -127,7 +126,7 @@ TEST(History, BackwardEulerConvergesWithOrderOne) {
 }
 
 TEST(History, MidpointFlowConvergesWithOrderTwo) {
-  // A stretch that changes all the time; held, the flow is exact.
+  // A stretch that changes all the time; for a held stretch the flow is exact.
   Orders orders;
   const auto moving = [](double t) { return 1.08 + 0.03 * std::sin(3 * t); };
   for (double gamma : {0.5, 1.0, 2.0, 2.5}) {
@@ -145,7 +144,7 @@ TEST(History, MidpointFlowConvergesWithOrderTwo) {
   }
 }
 
-// Cat soleus fixed short loses sarcomeres: down to lambda/lambda_rev, or to G_min.
+// Cat soleus held short loses sarcomeres: down to lambda/lambda_crit_rev, or to G_min.
 TEST(History, RemovalEndsAtItsThresholdOrAtGMin) {
   FibreGrowth<> muscle;
   muscle.removal = {1, 2, 0.5, 0.99};

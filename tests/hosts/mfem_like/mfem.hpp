@@ -1,5 +1,5 @@
-// As much of MFEM as examples/mfem uses, with the signatures and layouts of MFEM 4.7 (fem/hyperelastic.hpp,
-// linalg/densemat.hpp, fem/eltrans.hpp): DenseMatrix is stored column by column.
+// The part of MFEM that examples/mfem uses, with the signatures and layouts of MFEM 4.7
+// (fem/hyperelastic.hpp, linalg/densemat.hpp, fem/eltrans.hpp): DenseMatrix is stored column by column.
 #ifndef MYOGROWTH_TESTS_MFEM_LIKE_HPP
 #define MYOGROWTH_TESTS_MFEM_LIKE_HPP
 
