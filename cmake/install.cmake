@@ -1,6 +1,6 @@
-# What `cmake --install` puts where, in three components, and the packages that `cpack` makes of it:
+# Where `cmake --install` puts the files, in three components, and the packages that `cpack` makes from them:
 #
-#   headers   include/myogrowth, myogrowth::myogrowth; needs Eigen at the user's
+#   headers   include/myogrowth, myogrowth::myogrowth; needs Eigen on the user's machine
 #   umat      the libraries that hosts load, myogrowth::umat, ::vumat, ::c, ::mgis ...; myogrowth.h; the UMAT as one file
 #   driver    bin/myogrowth_driver and its cases, myogrowth::driver; needs umat
 #
@@ -30,7 +30,7 @@ if(MYOGROWTH_BUILD_DRIVER)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/fortran_driver/cases DESTINATION ${data_dir} COMPONENT driver)
 endif()
 
-# For CMake: one file that all components share. Minor versions before 1.0 may differ in anything.
+# For CMake: one file that all components share. Before 1.0 minor versions may be incompatible.
 configure_package_config_file(cmake/myogrowth-config.cmake.in ${PROJECT_BINARY_DIR}/myogrowth-config.cmake
                               INSTALL_DESTINATION ${cmake_dir} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/myogrowth-config-version.cmake COMPATIBILITY SameMinorVersion
@@ -42,7 +42,7 @@ foreach(component headers umat driver)
           COMPONENT ${component})
 endforeach()
 
-# For pkg-config: what stands where is said from the .pc file, so that the tree may be moved.
+# For pkg-config: paths are relative to the .pc file, so that the tree may be moved.
 set(pkgconfig_dir ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 file(RELATIVE_PATH pkgconfig_prefix ${CMAKE_INSTALL_PREFIX}/${pkgconfig_dir} ${CMAKE_INSTALL_PREFIX})
 function(myogrowth_pkgconfig name component description requires cflags libs)

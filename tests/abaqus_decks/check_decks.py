@@ -1,4 +1,4 @@
-"""The examples for Abaqus, which we cannot run: the decks held to the rules that can be checked without it, and the tools.
+"""The examples for Abaqus, which we cannot run: checks the decks by the rules that need no Abaqus, and tests the tools.
 
 check_decks.py SOURCE DRIVER FORTRAN_COMPILER [unittest arguments]
 
@@ -38,7 +38,7 @@ IN_STEP = {"STATIC", "OUTPUT", "ELEMENT OUTPUT", "NODE OUTPUT", "EL PRINT", "NOD
 DEPVAR = {"C3D8": 8, "C3D6": 8, "CPE4": 8, "CAX4": 8, "S4": 9}
 LAST_DOF = {"C3D8": 3, "C3D6": 3, "CPE4": 2, "CAX4": 2, "S4": 6}
 
-# The three edges at each corner of a solid, right-handed where it is not inside out; and its faces.
+# The three edges at each corner of a solid, right-handed unless it is inverted; and its faces.
 EDGES = {
     "C3D8": [(1, 3, 4), (2, 0, 5), (3, 1, 6), (0, 2, 7), (7, 5, 0), (4, 6, 1), (5, 7, 2), (6, 4, 3)],
     "C3D6": [(1, 2, 3), (2, 0, 4), (0, 1, 5), (5, 4, 0), (3, 5, 1), (4, 3, 2)],
@@ -75,7 +75,7 @@ def is_inside_out(kind, x):
     if kind in EDGES:
         return any(triple(*(minus(x[i], x[c]) for i in edges)) <= 0 for c, edges in enumerate(EDGES[kind]))
     normals = [cross(minus(x[(i + 1) % 4], x[i]), minus(x[i - 1], x[i])) for i in range(4)]
-    if kind == "S4":  # either side may be up
+    if kind == "S4":  # either orientation is allowed
         return any(dot(n, normals[0]) <= 0 for n in normals)
     return any(n[2] <= 0 for n in normals) or (kind == "CAX4" and any(p[0] < 0 for p in x))
 
@@ -85,7 +85,7 @@ def volume(kind, x):
 
 
 def table(name):
-    """Rows of the manual's table of PROPS or STATEV; docs.manual_tables holds the manual to the code."""
+    """Rows of the manual's table of PROPS or STATEV; docs.manual_tables compares the manual with the code."""
     lines = (SOURCE / "docs" / "manual.md").read_text(encoding="utf-8").splitlines()
     start = next(i for i, line in enumerate(lines) if line.startswith(f"| {name} |")) + 2
     rows = []
@@ -126,7 +126,7 @@ class Keyword:
         return self.parameters.get(key)
 
     def fields(self):
-        """The data lines, split at the commas; one comma at the end of a line is no further field."""
+        """The data lines, split at the commas; a comma at the end of a line does not begin another field."""
         for line in self.data:
             row = [field.strip() for field in next(csv.reader([line], skipinitialspace=True))]
             yield row[:-1] if len(row) > 1 and not row[-1] else row
@@ -142,7 +142,7 @@ def keywords(text):
             continue
         if open_line is not None or line.startswith("*"):
             line = (open_line or "") + line.strip()
-            open_line = line if line.endswith(",") else None  # goes on in the next line
+            open_line = line if line.endswith(",") else None  # continues on the next line
             if open_line is None:
                 result.append(Keyword(line, number))
         elif result:
@@ -151,7 +151,7 @@ def keywords(text):
 
 
 class Deck:
-    """What is in a deck, and `faults`: what is wrong with it."""
+    """The contents of a deck, and `faults`: its errors."""
 
     def __init__(self, text):
         self.faults, self.nodes, self.elements = [], {}, {}
@@ -183,7 +183,7 @@ class Deck:
                 self.fault(k, f"cannot be read: {error!r}")
         if inside:
             self.fault(inside, "is not ended")
-        for k in self.keywords:  # all is defined: now what is used
+        for k in self.keywords:  # everything is defined: now check what is used
             try:
                 self.check(k)
             except (ValueError, IndexError, KeyError, TypeError) as error:
@@ -231,7 +231,7 @@ class Deck:
             self.sets[kind].setdefault(name, set()).update(labels)
 
     def members(self, k, kind, field):
-        """Labels of a set, or the one label that a number is."""
+        """Labels of a set, or of a single number."""
         if field.isdecimal():
             return {int(field)}
         if field.upper() not in self.sets[kind]:
@@ -431,7 +431,7 @@ class Decks(unittest.TestCase):
 
 
 class Spoiled(unittest.TestCase):
-    """Each rule, broken: the checker has to see it."""
+    """Each rule, broken: the checker must report it."""
 
     def spoil(self, old, new, words, deck="cube_c3d8.inp", count=1):
         text = example(deck)
@@ -534,7 +534,7 @@ class Spoiled(unittest.TestCase):
 
 
 def skin(deck):
-    """The faces that one element has to itself, by their nodes; those that more than two share count too."""
+    """The faces of only one element, by their nodes; faces shared by more than two count too."""
     owners = {}
     for kind, corners in deck.elements.values():
         for face in FACES[kind]:
@@ -551,7 +551,7 @@ def is_on_surface(points):
 class Cylinder(unittest.TestCase):
     def check(self, size, n_hex, n_wedge, outer, layers):
         deck = Deck(make_cylinder.deck(size))
-        self.assertEqual(deck.faults, [])  # no element inside out, among others
+        self.assertEqual(deck.faults, [])  # among others: no inverted element
         kinds = [kind for kind, _ in deck.elements.values()]
         self.assertEqual((kinds.count("C3D8"), kinds.count("C3D6"), len(kinds)), (n_hex, n_wedge, n_hex + n_wedge))
 
@@ -601,7 +601,7 @@ class Cylinder(unittest.TestCase):
 HEAD = "element,n1,n2,n3\n"
 GOOD = "# a field\n" + HEAD + "\n3, 0, 0, 2.5   # any length\n1,1e-1,-0.2,.3\r\n12,0,1,0\n"
 
-# Tables that are wrong: line, and a word of what Python and Fortran say of it.
+# Wrong tables: the line, and a word of the messages of Python and Fortran.
 BAD = [
     ("", None, "header", "header"),
     (HEAD, None, "rows", "rows"),
@@ -666,7 +666,7 @@ class Fibres(unittest.TestCase):
 
 
 class Sdvini(unittest.TestCase):
-    """sdvini_fibre.f, with a host in Abaqus's place."""
+    """sdvini_fibre.f, with a mock host instead of Abaqus."""
 
     @classmethod
     def setUpClass(cls):
@@ -675,7 +675,7 @@ class Sdvini(unittest.TestCase):
         cls.folder = pathlib.Path(cls.kept.name)
         cls.host = cls.folder / "host"
         sources = [EXAMPLES / "sdvini_fibre.f", SOURCE / "tests" / "abaqus_decks" / "sdvini_host.f90"]
-        flags = ["-Wall", "-Werror", "-Wno-unused-dummy-argument", "-fcheck=all"]  # the arguments are Abaqus's choice
+        flags = ["-Wall", "-Werror", "-Wno-unused-dummy-argument", "-fcheck=all"]  # Abaqus prescribes the arguments
         done = subprocess.run([COMPILER, *flags, "-J", cls.folder, *sources, "-o", cls.host], capture_output=True, text=True)
         if done.returncode:
             raise AssertionError(done.stderr)

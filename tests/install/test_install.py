@@ -1,4 +1,4 @@
-"""What is installed and packaged, used as others would: CMake, pkg-config and make, Fortran, a part of one's own source.
+"""The installed and packaged files, used as a user would: CMake, pkg-config and make, Fortran, as part of a project.
 
 test_install.py BUILD SOURCE CMAKE CXX C FORTRAN WORK [unittest arguments]; every class is a ctest, `Staged` the first.
 """
@@ -54,7 +54,7 @@ class Case(unittest.TestCase):
                    f"-DCMAKE_C_COMPILER={C}", f"-DCMAKE_Fortran_COMPILER={FORTRAN}", *options, ok=ok)
 
     def refused(self, *options, prefix=STAGE):
-        """What CMake says where find_package fails; asked for no language, which is quicker."""
+        """CMake's message where find_package fails; without a language, which is faster."""
         text = self.configure(CONSUMER, f"-DCMAKE_PREFIX_PATH={prefix}", "-DLANGUAGES=NONE", *options, ok=False,
                               build=f"refused{len(list(self.folder.iterdir()))}")
         return " ".join(text.split())
@@ -87,7 +87,7 @@ class Staged(Case):
 
 
 class FindPackage(Case):
-    """By find_package, in C++, C and Fortran; what is not there is named."""
+    """By find_package, in C++, C and Fortran; a missing component is named."""
 
     def test_all_components(self):
         said = self.configure(CONSUMER, f"-DCMAKE_PREFIX_PATH={STAGE}")
@@ -146,7 +146,7 @@ class PkgConfig(Case):
 
 
 class Subdirectory(Case):
-    """As a part of one's own source, by add_subdirectory and FetchContent."""
+    """As part of another project, by add_subdirectory and FetchContent."""
 
     def build(self, *options):
         source = SOURCE / "tests/install/subdirectory"
@@ -171,12 +171,12 @@ class Subdirectory(Case):
         commands = self.build("-DMYOGROWTH_BUILD_UMAT=ON")
         self.assertNotRegex(commands["umat.f90"], r" -W| -O| -march| -f")
         self.assertIn("-Wall", commands["umat.cpp"])
-        self.assertNotIn("-Werror", commands["umat.cpp"])  # our warnings are not to stop another's build
+        self.assertNotIn("-Werror", commands["umat.cpp"])  # our warnings must not stop a user's build
         self.expect_numbers(run(self.folder / "build/umat"))
 
 
 class Package(Case):
-    """The Debian package, unpacked where nothing else is, and its driver beside that of the build tree."""
+    """The Debian package, unpacked into an empty folder; its driver compared with that of the build tree."""
 
     def test_deb_and_tar(self):
         run("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", self.folder / "made")
@@ -186,7 +186,7 @@ class Package(Case):
         self.assertEqual(fields["Recommends"], "libeigen3-dev")
         needs = {re.split(r"[ (|]", need.strip())[0] for need in fields["Depends"].split(",")}
         self.assertLessEqual({"libc6", "libgfortran5"}, needs)
-        # What the driver is linked with, and nothing more: no libstdc++, none of ours, whichever BLAS there is.
+        # The driver is linked with only these: no libstdc++, no library of ours, any BLAS.
         self.assertLessEqual(needs, {"libc6", "libgfortran5", "liblapack3", "libblas3", "libgcc-s1"})
         run("dpkg-deb", "-x", deb, self.folder / "root")
         run("tar", "-C", self.folder, "-xzf", tar)

@@ -1,5 +1,5 @@
-// Growth laws through the hook: the paper's own as update() has it, isotropic growth by differences, the ends
-// of the way.
+// Growth laws of one's own: the paper's law compared with update(), isotropic growth compared with
+// differences, the limits of growth.
 #include <gtest/gtest.h>
 
 #include <myogrowth/growth_law.hpp>
@@ -88,7 +88,7 @@ TEST(GrowthLaw, TheEndsOfTheWay) {
   EXPECT_EQ(update(law, elasticity, 2 * stretched, n0, 1.6, 1).g, 1.6);  // beyond its limit
   EXPECT_NEAR(update(law, elasticity, 2 * stretched, n0, 1, 1e12).g, 1.5, 1e-9);
   AlongTheFibre linear;
-  linear.growth.gamma = 0;  // its rate is not nil at the limit: growth ends there
+  linear.growth.gamma = 0;  // its rate is not zero at the limit: growth ends there
   const LawUpdate full = update(linear, elasticity, 1.5 * Mat3<double>::Identity(), n0, 1, 100);
   EXPECT_EQ(full.g, 1.1);
   EXPECT_EQ(full.dg_dF.norm(), 0);

@@ -28,14 +28,14 @@ TEST(GrowthRate, PaperEquation4) {
   const GrowthRate<> rate{0.5, 2, 1.1, 1.01};
   EXPECT_DOUBLE_EQ(rate.capacity(1.0), 1);
   EXPECT_DOUBLE_EQ(rate.adaptation(1.0), 2);
-  EXPECT_NEAR(rate.adaptation(1.05), 0.5, 1e-14);  // half the room, squared, over 0.5
+  EXPECT_NEAR(rate.adaptation(1.05), 0.5, 1e-14);  // half the distance to the limit, squared, over 0.5
   EXPECT_NEAR(rate.criterion(1.06), 0.05, 1e-15);
   EXPECT_NEAR(rate.rate(1.05, 1.05 * 1.06), 0.025, 1e-14);
 }
 
 TEST(GrowthRate, NothingAtAndBeyondTheLimits) {
   const GrowthRate<> rate{0.5, 2, 1.1, 1.01};
-  for (double G : {1.1, 1.2, 5.0}) {  // gamma = 2 is even: the bare formula is positive again beyond G_max
+  for (double G : {1.1, 1.2, 5.0}) {  // gamma = 2 is even: the formula itself is positive again beyond G_max
     EXPECT_EQ(rate.capacity(G), 0);
     EXPECT_EQ(rate.dcapacity_dG(G), 0);
   }

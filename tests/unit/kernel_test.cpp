@@ -1,4 +1,4 @@
-// The fused kernel against the readable definitions, and the closed forms that need no other reference.
+// The kernel compared with the readable definitions and with closed forms.
 #include <gtest/gtest.h>
 #include <myogrowth/neo_hookean.hpp>
 
@@ -80,7 +80,7 @@ TEST(Kernel, AgreesWithTheDefinitions) {
   }
 }
 
-// The elastic law without any growth in it, in the kernel's accurate forms, written out a second time.
+// The elastic law without growth, in the kernel's accurate forms, written a second time.
 TEST(Kernel, WithoutGrowthItIsTheElasticLawBitForBit) {
   samples::Random r(4);
   for (int sample = 0; sample < 1000; ++sample) {
@@ -105,7 +105,7 @@ TEST(Kernel, WithoutGrowthItIsTheElasticLawBitForBit) {
     EXPECT_EQ(u.point.Je, u.point.J);
     EXPECT_EQ(u.point.lambda_e, u.point.lambda);
     samples::Point grown = p;
-    grown.muscle.energy = EnergyPer::grown_volume;  // the conventions are one at G = 1
+    grown.muscle.energy = EnergyPer::grown_volume;  // the two conventions agree at G = 1
     EXPECT_EQ(update(grown.muscle, p.F, p.state, p.dt).kirchhoff(), u.kirchhoff());
     EXPECT_EQ(update(grown.muscle, p.F, p.state, p.dt).ddsdde(), u.ddsdde());
   }
@@ -218,7 +218,7 @@ TEST(Kernel, RefusesWhatItCannotTakeAndSaysWhy) {
   expect(Status::not_finite, I, {}, nan);
 }
 
-// What F carries as H = F - I keeps its digits: the stress of a small strain against its own series.
+// Small strains keep their digits: the stress compared with its series in H = F - I.
 TEST(Kernel, AccurateAtSmallStrain) {
   const FibreGrowth<> m;
   for (double e : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
@@ -234,7 +234,8 @@ TEST(Kernel, AccurateAtSmallStrain) {
     const auto relative = [](double x, long double y) { return std::abs(static_cast<double>(x / y - 1)); };
     EXPECT_LE(relative(tau(0, 0), 16 * ln_J + 4 * (2 * a + a * a + s * s)), 1e-15) << e;
     EXPECT_LE(relative(tau(1, 1), 16 * ln_J), 1e-15) << e;
-    EXPECT_LE(relative(tau(2, 2), 16 * ln_J + 4 * (2 * c + c * c)), 1e-14) << e;  // the two nearly cancel
+    EXPECT_LE(relative(tau(2, 2), 16 * ln_J + 4 * (2 * c + c * c)), 1e-14)
+        << e;  // the two terms nearly cancel
     EXPECT_LE(relative(tau(0, 1), 4 * s), 1e-15) << e;
   }
 }
@@ -244,7 +245,7 @@ class Scalars : public testing::Test {};
 using ScalarTypes = testing::Types<double, float, long double, Complex, dual::Dual>;
 TYPED_TEST_SUITE(Scalars, ScalarTypes, );
 
-// One template, every scalar: the same growth, stress and tangents as double to the scalar's own rounding.
+// One template for every scalar type: growth, stress and tangents as for double, to the rounding of the type.
 TYPED_TEST(Scalars, GiveTheSameUpdate) {
   using T = TypeParam;
   using V = Real<T>;

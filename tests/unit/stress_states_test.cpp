@@ -63,14 +63,14 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
     EXPECT_EQ(u.G > m.state.G, kind == Kind::growing);
     worst_stress = std::max(worst_stress, std::abs(u.tau[2]) / (m.muscle.c1 + m.muscle.c2));
 
-    // It is the solid's update at that thickness, to the last bit.
+    // The result is the solid's update at that thickness, to the last bit.
     Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
     F.topLeftCorner<2, 2>() = m.F;
     F(2, 2) = thickness;
     EXPECT_EQ(update(m.muscle, F, m.state, m.dt).kirchhoff(),
               from_six(Vec6<double>(Eigen::Map<const Vec6<double>>(u.tau))));
 
-    // From any start the same.
+    // The result does not depend on the start.
     for (double start : {1e-3, 0.5, 3.0, 1e3, -1.0}) {
       PointUpdate<double> v;
       double again = start, c_again[9];
@@ -109,8 +109,8 @@ INSTANTIATE_TEST_SUITE_P(Fibres, PlaneStress,
                          testing::Combine(testing::Values(Fibre::in_plane, Fibre::normal, Fibre::oblique),
                                           testing::Values(Kind::growing, Kind::below_threshold)));
 
-// The condensed tangent and the thickness against the reference in 50 digits, by differences of its own plane
-// stress.
+// The condensed tangent and the thickness compared with the reference in 50 digits, by differences of its own
+// plane stress.
 TEST(PlaneStress, AgainstFiftyDigits) {
   samples::Random r(52);
   using reference::Real;

@@ -1,4 +1,5 @@
-// Every tangent against derivatives of the discrete update: complex step, dual number and central difference.
+// Every tangent compared with derivatives of the discrete update: complex step, dual number, central
+// difference.
 #include <gtest/gtest.h>
 #include <myogrowth/material.hpp>
 
@@ -80,7 +81,7 @@ TEST_P(Tangent, IsTheComplexStepOfTheDiscreteUpdate) {
   }
   EXPECT_LE(worst, 1e-12);
   if (kind == Kind::growing) {
-    EXPECT_GT(largest_unsymmetry, 0.05);  // the growth term was there to be tested
+    EXPECT_GT(largest_unsymmetry, 0.05);  // the growth term was large enough to be tested
   }
 }
 
@@ -109,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Tangent,
                                           testing::Values(EnergyPer::reference_volume,
                                                           EnergyPer::grown_volume)));
 
-// The options that change G: removal, and the second-order step from a stretch of its own.
+// The options that change G: removal, and the second-order step from its own start stretch.
 TEST(Tangent, OfRemovalAndOfTheMidpointFlow) {
   samples::Random r(27);
   double worst = 0;
@@ -131,7 +132,7 @@ TEST(Tangent, OfRemovalAndOfTheMidpointFlow) {
     const Tangents t = by_complex_step(p);
     worst =
         std::max({worst, error(t.ddsdde, u.ddsdde()), error(t.dP_dF, u.dP_dF()), error(t.dS_dE, u.dS_dE())});
-    // and by differences, which know nothing of how the derivative of G was made
+    // and by differences, which do not depend on how the derivative of G is computed
     const double h = 2e-6;
     for (int col = 0; col < 6; ++col) {
       const Mat3<double> dF = h * unit_strain(col) * p.F;
@@ -147,8 +148,8 @@ TEST(Tangent, OfRemovalAndOfTheMidpointFlow) {
   EXPECT_GT(shrank, 100);
 }
 
-// On the threshold itself the update has a kink: the tangent is the derivative from below, where nothing
-// grows.
+// At the threshold the update is not differentiable: the tangent is the derivative from below, without
+// growth.
 TEST(Tangent, AtTheThresholdIsTheOneWithoutGrowth) {
   samples::Random r(23);
   for (int i = 0; i < 100; ++i) {
