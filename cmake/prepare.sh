@@ -149,23 +149,31 @@ check_cache() {  # PRESET
     fail "$dir/ was made with the compiler $value, but $name is now $(command -v "$name"): remove $dir/"
 }
 
+# CMake and compilers say what is wrong; of a full disk they tell in many words.
+fail_above() {
+  local free
+  free=$(df -k --output=avail build | tail -n 1)
+  [ "${free:-1024}" -ge 1024 ] || fail "$*: the disk is full"
+  fail "$* (above)"
+}
+
 configure() {  # PRESET [CMAKE OPTIONS]
   local log
   check_cache "$1"
-  log=$(cmake --preset "$@" 2>&1) || { echo "$log" >&2; fail "CMake could not configure $top (above)"; }
+  log=$(cmake --preset "$@" 2>&1) || { echo "$log" >&2; fail_above "CMake could not configure $top"; }
 }
 
 build() {  # PRESET [TARGETS AND OPTIONS]
   local command=(cmake --build --preset "$1") what=${*:2} log start=$SECONDS
   [ $# -eq 1 ] || command+=(--target "${@:2}")
   if on_terminal; then
-    "${command[@]}" >&2 || fail "building ${what:-all} failed (above)"
+    "${command[@]}" >&2 || fail_above "building ${what:-all} failed"
     return
   fi
   say "building ${what:-all} ($1)"
   if ! log=$("${command[@]}" 2>&1); then
     grep -vE '^\[[0-9]+/[0-9]+\] ' <<<"$log" >&2 || true
-    fail "building ${what:-all} failed (above)"
+    fail_above "building ${what:-all} failed"
   fi
   say "built in $((SECONDS - start)) s"
 }

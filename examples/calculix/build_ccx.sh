@@ -25,6 +25,7 @@ TEXT
   exit 1
 fi
 mkdir -p "$folder"
+folder=$(CDPATH='' cd "$folder" && pwd)
 work=$(mktemp -d "$folder/build.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 cd "$work"
@@ -51,12 +52,12 @@ echo "ccx: compiling $name, $total files" >&2
 make -k -j "$(nproc)" "$name.a" "$name.o" FC=gfortran CC=gcc \
   CFLAGS="-w -O2 -I/usr/include/spooles -DARCH=\"Linux\" -DSPOOLES -DARPACK -DMATRIXSTORAGE -DUSE_MT=1 -DCALCULIX_EXTERNAL_BEHAVIOURS_SUPPORT" \
   FFLAGS="-w -O2 -fallow-argument-mismatch" >"$work/make.log" 2>&1 &
-while kill -0 $! 2>/dev/null; do
+while [ -t 2 ] && kill -0 $! 2>/dev/null; do
   printf '\r  %d of %d' "$(find . -maxdepth 1 -name '*.o' | wc -l)" "$total" >&2
   sleep 1
 done
-wait $! || { echo >&2; tail -30 "$work/make.log" >&2; exit 1; }
-echo >&2
+if [ -t 2 ]; then echo >&2; fi
+wait $! || { grep -iE 'error|undefined|cannot' "$work/make.log" >&2 || true; tail -30 "$work/make.log" >&2; exit 1; }
 gfortran -o ccx "$name.o" "$name.a" -lspooles -lpthread -larpack -llapack -lblas -lm -ldl -fopenmp
 mv ccx "$folder/ccx.new"
 mv "$folder/ccx.new" "$folder/ccx"

@@ -6,7 +6,7 @@
 /// The version, major.minor.patch.
 /// @{
 #define MYOGROWTH_VERSION_MAJOR 0
-#define MYOGROWTH_VERSION_MINOR 1
+#define MYOGROWTH_VERSION_MINOR 2
 #define MYOGROWTH_VERSION_PATCH 0
 /// @}
 

@@ -122,6 +122,12 @@ class Help(Run):
         self.assertEqual(sorted(re.findall(r"^  ([a-z][a-z-]*)\b", out, re.M)), sorted(set(self.jobs()) - {"--help", "-h"}))
         self.assertEqual(self.run_job(), (0, out, ""))
 
+    def test_the_jobs_that_pages_and_workflows_name_exist(self):
+        files = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob(".github/**/*.*"), ROOT / ".ci/run"]
+        named = {(job, file) for file in files for job in re.findall(r"\./run +([a-z][a-z-]*)", file.read_text(encoding="utf-8"))}
+        self.assertGreater(len({job for job, _ in named}), 15)
+        self.assertEqual([(job, file) for job, file in sorted(named) if job not in self.jobs()], [])
+
     def test_unknown_jobs_and_options_are_refused_before_anything_is_built(self):
         status, _, err = self.run_job("cubes")
         self.assertEqual(status, 2)
