@@ -10,6 +10,9 @@ import pathlib
 import re
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "common"))
+import files  # noqa: E402  shared by all examples
+
 C1, C2, TAU, GAMMA, G_MAX, LAMBDA_CRIT = 16.0, 4.0, 0.5, 2.0, 1.1, 1.01  # Table 1: kPa and days
 DECKS = ("cube_c3d8.inp", "plane_strain_cpe4.inp", "axisymmetric_cax4.inp", "shell_s4.inp")
 
@@ -21,9 +24,13 @@ def stretch(t):
 def times(deck):
     """Ends of the increments of a deck whose first increment in every step is also its longest."""
     result = [0.0]
-    for line in re.findall(r"^\*STATIC\n(.+)$", pathlib.Path(deck).read_text(), re.M | re.I):
-        first, total, _, longest = (float(x) for x in line.split(","))
-        assert first == longest, deck
+    for line in re.findall(r"^\*STATIC\n(.+)$", files.read_text(deck), re.M | re.I):
+        try:
+            first, total, _, longest = (float(x) for x in line.split(","))
+        except ValueError:
+            first = longest = math.nan
+        if not first == longest > 0:
+            raise files.FileError(f"{deck}: {files.shown(line)}: expected a first increment > 0 that is also the longest")
         n, start = round(total / first), result[-1]
         result += [start + total * i / n for i in range(1, n + 1)]
     return result
@@ -55,6 +62,8 @@ def side(lam, G, free):
 def history(deck):
     """Rows (time, G, lambda_e, side, s_fibre, s_held, reaction) of a deck."""
     name = pathlib.Path(deck).name
+    if name not in DECKS:
+        raise files.FileError(f"{deck}: expected one of {', '.join(DECKS)}")
     free = 1 if "cpe4" in name else 2
     rows, G = [], 1.0
     ends = times(deck)
@@ -80,10 +89,13 @@ def table(decks):
     for deck in decks:
         at = {round(row[0], 6): row for row in history(deck)}
         for day in (1, 14, 42):
+            if day not in at:
+                raise files.FileError(f"{deck}: no increment ends on day {day}")
             _, G, lambda_e, _, s, _, reaction = at[day]
             lines.append(f"| `{pathlib.Path(deck).name}` | {day} | {G:.6f} | {lambda_e:.6f} | {s:.5f} | {reaction:.5f} |")
     return "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":
-    print(table(sys.argv[1:] or [pathlib.Path(__file__).parent / d for d in DECKS]), end="")
+    with files.faults_in_one_line("expected.py"):
+        print(table(sys.argv[1:] or [pathlib.Path(__file__).parent / d for d in DECKS]), end="")

@@ -14,6 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "calculix"))
 import cylinder_mesh  # noqa: E402  the mesh is the one that runs in CalculiX
+from shared import files  # noqa: E402
 
 PULL = 40.0  # mm
 FIRST = {"coarse": 0.02, "paper": 0.02}  # days, the first increment of every size
@@ -110,12 +111,8 @@ def main():
     p.add_argument("--size", choices=FIRST, default="coarse", help="how fine the mesh is (default: %(default)s)")
     p.add_argument("-o", "--output", metavar="DECK", help="file to write (default: standard output)")
     a = p.parse_args()
-    text = deck(a.size)
-    if a.output:
-        with open(a.output, "w", encoding="ascii", newline="\n") as f:
-            f.write(text)
-    else:
-        sys.stdout.write(text)
+    with files.faults_in_one_line("make_cylinder.py"):
+        files.write_text_or_print(a.output, deck(a.size), encoding="ascii")
 
 
 if __name__ == "__main__":

@@ -49,7 +49,13 @@ C     Ends the analysis with a message; % is special to Abaqus.
       CHARACTER(LEN=400) :: FAULT
       INTEGER :: LENGTH, UNIT, STATUS, LARGEST
       EXTERNAL GETOUTDIR
-      CALL GET_ENVIRONMENT_VARIABLE('MYOGROWTH_FIBRES', PATH)
+      CALL GET_ENVIRONMENT_VARIABLE('MYOGROWTH_FIBRES', PATH,
+     1                              STATUS=STATUS)
+      IF (STATUS .EQ. -1) THEN
+        CALL FAIL('MYOGROWTH_FIBRES names a file by more than 1024 '
+     1            //'characters')
+        RETURN
+      END IF
       IF (PATH .EQ. ' ') THEN
         CALL GETOUTDIR(FOLDER, LENGTH)
         PATH = FOLDER(:LENGTH)//'/fibres.csv'
@@ -67,10 +73,15 @@ C     Twice: for the largest label, then for the directions
       IF (FAULT .EQ. ' ' .AND. LARGEST .EQ. 0)
      1  FAULT = ': expected the header element,n1,n2,n3 and rows'
       IF (FAULT .EQ. ' ') THEN
-        ALLOCATE (N0(3,LARGEST))
-        N0 = 0
-        REWIND (UNIT)
-        CALL PASS(UNIT, LARGEST, FAULT)
+        ALLOCATE (N0(3,LARGEST), STAT=STATUS)
+        IF (STATUS .NE. 0) THEN
+          WRITE (FAULT, '(A,I0)') ': no memory for element labels up '
+     1          //'to ', LARGEST
+        ELSE
+          N0 = 0
+          REWIND (UNIT)
+          CALL PASS(UNIT, LARGEST, FAULT)
+        END IF
       END IF
       CLOSE (UNIT)
       IF (FAULT .NE. ' ') THEN
@@ -86,6 +97,9 @@ C     there is one. FAULT names the line and what was expected.
       INTEGER, INTENT(INOUT) :: LARGEST
       CHARACTER(LEN=*), INTENT(OUT) :: FAULT
       CHARACTER(LEN=400) :: LINE
+C     The byte-order mark of UTF-8, which spreadsheets write
+      CHARACTER(LEN=3), PARAMETER :: MARK =
+     1  CHAR(239)//CHAR(187)//CHAR(191)
       CHARACTER(LEN=12) :: NUMBER
       INTEGER :: STATUS, COUNT, ELEMENT, CUT
       DOUBLE PRECISION :: N(3)
@@ -95,8 +109,13 @@ C     there is one. FAULT names the line and what was expected.
       FAULT = ' '
       DO
         READ (UNIT, '(A)', IOSTAT=STATUS) LINE
-        IF (STATUS .NE. 0) RETURN
+        IF (IS_IOSTAT_END(STATUS)) RETURN
         COUNT = COUNT + 1
+        IF (STATUS .NE. 0) THEN
+          FAULT = ': cannot be read'
+          RETURN
+        END IF
+        IF (COUNT .EQ. 1 .AND. LINE(:3) .EQ. MARK) LINE(:3) = ' '
         CUT = INDEX(LINE, '#')
         IF (CUT .GT. 0) LINE(CUT:) = ' '
         CALL BLANKS(LINE)
@@ -134,7 +153,7 @@ C     there is one. FAULT names the line and what was expected.
       END DO
       END SUBROUTINE PASS
 
-C     Removes blanks, tabs and DOS line ends from a line.
+C     Removes blanks, tabs, DOS line ends and trailing empty columns.
       SUBROUTINE BLANKS(LINE)
       CHARACTER(LEN=*), INTENT(INOUT) :: LINE
       INTEGER :: I, J
@@ -145,21 +164,34 @@ C     Removes blanks, tabs and DOS line ends from a line.
         LINE(J:J) = LINE(I:I)
       END DO
       LINE(J+1:) = ' '
+C     The empty columns that spreadsheets add
+      DO WHILE (J .GT. 0)
+        IF (LINE(J:J) .NE. ',') EXIT
+        IF (COMMAS(LINE(:J)) .LE. 3 .AND. VERIFY(LINE(:J), ',') .NE. 0)
+     1    EXIT
+        LINE(J:J) = ' '
+        J = J - 1
+      END DO
       END SUBROUTINE BLANKS
+
+      INTEGER FUNCTION COMMAS(LINE)
+      CHARACTER(LEN=*), INTENT(IN) :: LINE
+      INTEGER :: I
+      COMMAS = 0
+      DO I = 1, LEN(LINE)
+        IF (LINE(I:I) .EQ. ',') COMMAS = COMMAS + 1
+      END DO
+      END FUNCTION COMMAS
 
 C     Whether a line has four fields that consist of the characters of
 C     numbers: READ itself would also accept 2*1., / and empty fields.
       LOGICAL FUNCTION IS_ROW(LINE)
       CHARACTER(LEN=*), INTENT(IN) :: LINE
       CHARACTER(LEN=*), PARAMETER :: DIGITS = '0123456789'
-      INTEGER :: I, L, COMMAS
+      INTEGER :: I, L
       L = LEN_TRIM(LINE)
-      COMMAS = 0
-      DO I = 1, L
-        IF (LINE(I:I) .EQ. ',') COMMAS = COMMAS + 1
-      END DO
       I = INDEX(LINE, ',')
-      IS_ROW = COMMAS .EQ. 3 .AND. INDEX(LINE(:L), ',,') .EQ. 0
+      IS_ROW = COMMAS(LINE) .EQ. 3 .AND. INDEX(LINE(:L), ',,') .EQ. 0
      1  .AND. I .GT. 1 .AND. LINE(L:L) .NE. ','
      2  .AND. VERIFY(LINE(:L), DIGITS//'+-.eE,') .EQ. 0
       IF (IS_ROW) IS_ROW = VERIFY(LINE(:I-1), DIGITS) .EQ. 0

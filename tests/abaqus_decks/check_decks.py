@@ -599,7 +599,8 @@ class Cylinder(unittest.TestCase):
 
 
 HEAD = "element,n1,n2,n3\n"
-GOOD = "# a field\n" + HEAD + "\n3, 0, 0, 2.5   # any length\n1,1e-1,-0.2,.3\r\n12,0,1,0\n"
+# With what spreadsheets add: a byte-order mark, DOS line ends, empty columns and rows.
+GOOD = "\ufeff# a field\n" + HEAD + "\n3, 0, 0, 2.5   # any length\n1,1e-1,-0.2,.3,,\r\n , ,,\n12,0,1,0\n"
 
 # Wrong tables: the line, and a word of the messages of Python and Fortran.
 BAD = [
@@ -608,7 +609,7 @@ BAD = [
     ("label,x,y,z\n1,1,0,0\n", 1, "header", "header"),
     (HEAD + "1,1,0\n", 2, "expected 4", "three numbers"),
     (HEAD + "1,1,0,0,0\n", 2, "expected 4", "three numbers"),
-    (HEAD + "1,1,,0\n", 2, "n2 = ''", "three numbers"),
+    (HEAD + "1,1,,0\n", 2, "n2 is missing", "three numbers"),
     (HEAD + "1.5,1,0,0\n", 2, "whole number > 0", "label > 0"),
     (HEAD + "0,1,0,0\n", 2, "whole number > 0", "label > 0"),
     (HEAD + "-4,1,0,0\n", 2, "whole number > 0", "label > 0"),
@@ -620,6 +621,8 @@ BAD = [
     (HEAD + "1,2*1,0,0\n", 2, "n1 = '2*1'", "three numbers"),
     (HEAD + "1,1/,0,0\n", 2, "n1 = '1/'", "three numbers"),
     (HEAD + "1,0,0,0.0\n", 2, "of any length > 0", "of any length > 0"),
+    (HEAD + "1;1;0;0\n", 2, "not semicolons", "three numbers"),
+    (HEAD + "1,1,0,\n", 2, "n3 is missing", "three numbers"),
 ]
 
 
@@ -663,6 +666,18 @@ class Fibres(unittest.TestCase):
         self.assertEqual(missing.returncode, 1)
         self.assertIn("No such file", missing.stderr)
         self.assertEqual(self.make(GOOD, "--depvar", "7").returncode, 2)
+
+    def test_nothing_is_lost(self):
+        """A full disk, a missing folder and a folder instead of a file are named, by each of the scripts."""
+        for script, *arguments in ((EXAMPLES / "expected.py",), (EXAMPLES / "make_cylinder.py",)):
+            with open("/dev/full", "w") as full:
+                done = subprocess.run([sys.executable, script, *arguments], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, rf"^{script.name}: .*No space left on device\n$")
+        for output in ("/nonexistent/x.inp", "/"):
+            done = self.make(GOOD, "-o", output)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, rf"^fibres_to_initial_conditions.py: {output}.*: .+\n$")
 
 
 class Sdvini(unittest.TestCase):
@@ -711,6 +726,8 @@ class Sdvini(unittest.TestCase):
             self.assertIn("expected", done.stderr)
             self.assertIn(words, done.stderr)
         for done, words in ((self.call(None, 8, 0, 1), "./fibres.csv: cannot be opened"),
+                            (self.call(GOOD, 8, 0, 1, variable="/"), "/: expected the header"),
+                            (self.call(GOOD, 8, 0, 1, variable="x" * 1100), "more than 1024 characters"),
                             (self.call(GOOD, 8, -1, 1), "have not been read"), (self.call(GOOD, 8, 1, 1), "have not been read"),
                             (self.call(GOOD, 7, 0, 1), "*DEPVAR must be 8")):
             self.assertEqual(done.returncode, 3)
