@@ -42,7 +42,7 @@ def differences(old, new):
 def arrays(path, *names):
     """The arrays of a .npz by their names; those of numbers are finite."""
     try:
-        with np.load(path, allow_pickle=False) as kept:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as kept:
             found = {name: kept[name] for name in names}
     except KeyError as e:
         raise files.FileError(f"{path}: has no {e.args[0].split()[0]}: expected {', '.join(names)}") from None

@@ -145,6 +145,8 @@ def writing(path):
                 os.fsync(f.fileno())
             os.replace(part, target)
     except OSError as e:
+        if e.filename is not None and os.fspath(e.filename) != os.fspath(part):
+            raise  # another file's
         raise FileError(f"{path}: cannot be written: {reason(e)}") from None
     finally:
         if not direct:
@@ -257,7 +259,7 @@ def rows(path, columns, comment="#"):
             fields.pop()
         if not any(fields):
             continue
-        if ";" in text and len(fields) < len(columns):
+        if ";" in text:
             raise FileError(f"{path}:{line}: {shown(text)}: expected commas between the columns, not semicolons (and decimal "
                             "points, not decimal commas)")
         if not headed:

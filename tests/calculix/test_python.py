@@ -2,13 +2,16 @@
 
 test_python.py SOURCE CCX LIBRARY_DIR [unittest arguments]      CCX = none: without the tests that need it
 """
+import contextlib
 import csv
 import importlib
+import io
 import json
 import math
 import os
 import pathlib
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -24,15 +27,147 @@ EXAMPLES = SOURCE / "examples" / "calculix"
 HAS_CCX = os.access(CCX, os.X_OK) and (pathlib.Path(LIBRARY_DIR) / "libMYOGROWTH.so").is_file()
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(EXAMPLES))
-cylinder_mesh, deck, elements, frd, history = map(importlib.import_module,
-                                                  ("cylinder_mesh", "deck", "elements", "frd", "history"))
+cylinder_mesh, deck, elements, files, frd, history, kept = map(
+    importlib.import_module, ("cylinder_mesh", "deck", "elements", "files", "frd", "history", "kept"))
+
+
+def no_room(size):
+    """For preexec_fn: files end at `size`, as on a disk that is full."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
 
 class Folder(unittest.TestCase):
     def setUp(self):
-        kept = tempfile.TemporaryDirectory(prefix="myogrowth_")
-        self.addCleanup(kept.cleanup)
-        self.folder = pathlib.Path(kept.name)
+        folder = tempfile.TemporaryDirectory(prefix="myogrowth_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    @staticmethod
+    def main(name, *options):
+        """A program's main() as the interpreter would run it; in this process, which has read the libraries."""
+        module = importlib.import_module(name)
+        status, out, err, argv, handler = 0, io.StringIO(), io.StringIO(), sys.argv, signal.getsignal(signal.SIGTERM)
+        sys.argv = [name + ".py", *map(str, options)]
+        try:
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                module.main()
+        except SystemExit as e:
+            status = e.code if isinstance(e.code, int) else 1
+            err.write("" if isinstance(e.code, int) else f"{e.code}\n")
+        finally:
+            sys.argv = argv
+            signal.signal(signal.SIGTERM, handler)
+            while files._locks:  # as for a process that ends
+                files._locks.pop().close()
+        return subprocess.CompletedProcess(options, status, out.getvalue(), err.getvalue())
+
+
+class Files(Folder):
+    """examples/common/files.py, which all Python programs read and write with."""
+
+    def setUp(self):
+        super().setUp()
+        self.path = self.folder / "table.csv"
+
+    def fails(self, words, call, *arguments):
+        with self.assertRaises(files.FileError) as caught:
+            call(*arguments)
+        self.assertIn(words, str(caught.exception))
+        self.assertNotIn("\n", str(caught.exception))
+
+    def test_tables(self):
+        """What spreadsheets and other systems make of a table is the same table."""
+        for text in ("t,G\n0,1\n7,1.05\n", "\ufefft,G\r\n0,1\r\n7,1.05\r\n", "t,G\r0,1\r7,1.05", " t , G \n\n  \n0, 1 \n,,\n\"7\",1.05\n",
+                     "# a comment\nt,G,,\n0,1,,\n7,1.05,,  # another\n,,,\n"):
+            self.path.write_bytes(text.encode())
+            self.assertEqual(files.read_columns(self.path, ["t", "G"]), {"t": [0, 7], "G": [1, 1.05]}, text)
+
+    def test_bad_tables(self):
+        for text, words in ((b"", "table.csv: is empty: expected the header t,G"), (b"\n  \n", "is empty"),
+                            (b"t,G\n", "table.csv: expected rows below the header"),
+                            (b"G,t\n1,2\n", "table.csv:1: 'G,t': expected the header t,G"),
+                            (b"t;G\n0;1\n", "table.csv:1: 't;G': expected commas between the columns, not semicolons"),
+                            (b"t,G\n0,1\n7;1,05\n", "table.csv:3: '7;1,05': expected commas"), (b"t,G\n0;1\n", "not semicolons"),
+                            (b"t,G\n7,1,05\n", "table.csv:2: 3 values: expected 2, t, G; numbers need a decimal point"),
+                            (b't,G\n7,"1,05"\n', "table.csv:2: G = '1,05': expected a finite number, with a decimal point"),
+                            (b"t,G\n\n7\n", "table.csv:3: 1 values: expected 2"), (b"t,G\n7,\n", "table.csv:2: G is missing"),
+                            (b"t,G\n7,nan\n", "table.csv:2: G = 'nan': expected a finite number"),
+                            (b"t,G\n7,1e999\n", "G = '1e999'"), (b"t,G\n7,1_0\n", "G = '1_0'"), (b"t,G\nx\ty,1\n", "t = 'x\\ty'"),
+                            (b"t,G\n7,\"1\n", "table.csv:2: "), (b"t,G\n0,1\n\xb5,1\n", "table.csv:3: byte 0xb5 is not UTF-8"),
+                            ("t,G\n0,1\n".encode("utf-16"), "is UTF-16: save it as UTF-8"),
+                            (b"t,G\n0,1\n\0\0", "table.csv:3: has a byte of value 0")):
+            self.path.write_bytes(text)
+            self.fails(words, files.read_columns, self.path, ["t", "G"])
+
+    def test_bad_json(self):
+        for text, words in (('{"a": 1', "table.csv:1: column 8: is damaged or no JSON"), ("", "is damaged"), ("[1]", "expected an object"),
+                            ("[" * 100000, "nested too deeply")):
+            self.path.write_text(text)
+            self.fails(words, files.read_json, self.path)
+
+    def test_a_file_is_written_whole_or_stays_as_it_was(self):
+        self.path.write_text("old")
+        self.path.chmod(0o640)
+        with self.assertRaises(KeyboardInterrupt), files.writing(self.path) as part:
+            part.write_text("half")
+            raise KeyboardInterrupt
+        self.assertEqual(self.path.read_text(), "old")
+        files.write_text(self.path, "new\n")
+        self.assertEqual((self.path.read_text(), self.path.stat().st_mode & 0o777), ("new\n", 0o640))
+        link = self.folder / "link"
+        link.symlink_to(self.path)
+        files.write_text(link, "by the link\n")
+        self.assertTrue(link.is_symlink() and self.path.read_text() == "by the link\n")
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["link", "table.csv"])
+
+    def test_what_cannot_be_written(self):
+        self.path.write_text("old")
+        full = pathlib.Path("/dev/full")
+        self.fails("/dev/full: cannot be written: No space left on device", files.write_text, full, "text")
+        self.assertTrue(full.is_char_device())
+        self.fails(f"{self.folder}: cannot be written: it is a folder", files.write_text, self.folder, "text")
+        self.fails("cannot be written: Not a directory", files.write_text, self.path / "x", "text")
+        self.fails("cannot be written: No such file or directory", files.write_text, self.folder / "no" / "x", "text")
+        self.fails("table.csv: cannot be made a folder: there is a file of that name", files.make_folder, self.path)
+        self.fails("cannot be made a folder: a part of its name is a file", files.make_folder, self.path / "x")
+
+    def run_with(self, body, **options):
+        script = ("import sys\nsys.path.insert(0, sys.argv[1])\nimport files\n"
+                  f"with files.faults_in_one_line('job'):\n    {body}\n")
+        return subprocess.run([sys.executable, "-c", script, SOURCE / "examples" / "common", self.folder], text=True,
+                              **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options})
+
+    def test_one_line_and_a_status(self):
+        self.path.write_text("old")
+        done = self.run_with("files.write_text(sys.argv[2] + '/table.csv', 'x' * 100000)", preexec_fn=no_room(65536))
+        self.assertEqual((done.returncode, done.stderr), (1, f"job: {self.path}: cannot be written: File too large\n"))
+        self.assertEqual(self.path.read_text(), "old")
+        done = self.run_with("files.make_folder(sys.argv[2] + '/new')", preexec_fn=no_room(4096))
+        self.assertEqual((done.returncode, done.stderr), (1, f"job: {self.folder}/new: cannot be written to: File too large\n"))
+        with open("/dev/full", "w") as full:
+            done = self.run_with("print('a result')", stdout=full)
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, "job: standard output cannot be written: No space left on device\n"))
+        for body, words in (("open('/nowhere')", "job: /nowhere: No such file or directory\n"),
+                            ("open('/')", "job: /: Is a directory\n"),
+                            ("import subprocess; subprocess.run(['false'], check=True)", "job: false ended with status 1\n"),
+                            ("import subprocess; subprocess.run(['sh', '-c', 'kill -9 $$'], check=True)",
+                             "job: sh was killed by signal 9 (Killed)\n")):
+            done = self.run_with(body)
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (1, "", words))
+
+    def test_numbers_of_options(self):
+        import argparse
+
+        self.assertEqual(files.number(above=0, high=2)("1.5"), 1.5)
+        for text in ("0", "-1", "2.5", "nan", "inf", "1e999", "x", "", "1_0"):
+            with self.assertRaisesRegex(argparse.ArgumentTypeError, "must be a finite number > 0 and <= 2"):
+                files.number(above=0, high=2)(text)
+        with self.assertRaisesRegex(argparse.ArgumentTypeError, "write a decimal point"):
+            files.number(above=0)("0,5")
+        for text in ("1.0", "0", "300", "-3", "1e2"):
+            with self.assertRaisesRegex(argparse.ArgumentTypeError, "must be a whole number >= 1 and <= 256"):
+                files.number(1, 256, kind=int)(text)
 
 
 class Mesh(unittest.TestCase):
@@ -200,6 +335,16 @@ class Decks(unittest.TestCase):
             self.assertEqual([int(n) for n in re.findall(r"\d+", listed)], (np.flatnonzero(wanted) + 1).tolist())
         self.assertFalse(deck.tendon(deck.Case("tiny"), m).any())
 
+    def test_tendons_are_alike_whatever_the_length_is_rounded_to(self):
+        for size in cylinder_mesh.SIZES:
+            m = cylinder_mesh.mesh(size)
+            middle = (m.levels[:-1] + m.levels[1:]) / 2
+            for k in range(min(5, len(middle) // 2)):
+                for length in (middle[k] * (1 - 1e-13), middle[k], middle[k] * (1 + 1e-13)):  # that layer does not count
+                    stiff = deck.tendon(deck.Case(size, ends="tendon", tendon_length=length), m)
+                    layers = np.unique(m.layer_of_elements()[stiff])
+                    self.assertEqual(layers.tolist(), [*range(k), *range(len(middle) - k, len(middle))], (size, k))
+
 
 def frd_text(fields=True, last=True, nodes=6):
     """A wedge and its fields, as CalculiX writes them: two fields at day 1, one of them with two lines for a node."""
@@ -268,6 +413,21 @@ class Frd(Folder):
         self.bad(text.replace("        60\n -3", "        61\n -3"), 53, "a node that is not there")
         self.bad(text.replace("2.00000E+00\n -3", "2.00000E+00\n -1"), 10, "expected -3, the end of the nodes")
         self.bad(" 9999\n", 2, "no mesh")
+        self.bad(text.replace(" -1        20", " -1        10", 1), 5, "node 10 after node 10: expected increasing numbers")
+        self.bad(text.replace("-1.50000E+00", "         NaN"), 9, "'         NaN' in columns 26 to 37: expected a finite number")
+        self.bad(text.replace("6.00000E+00-6", "   Infinity-6"), 27, "expected a finite number")
+        self.bad(text.replace("1.000000000 ", "        nan ", 1), 16, "expected a time")
+        self.bad(text.replace(" -1        20 2.00000E+00", " -1        10 2.00000E+00", 1), 16, "DISP is written twice for a node")
+        for count in ("999999999", "       -1"):
+            for line, what in ((3, "nodes"), (11, "elements"), (16, "nodes")):
+                lines = text.splitlines(keepends=True)
+                lines[line - 1] = lines[line - 1][:24] + count.rjust(12) + lines[line - 1][36:]
+                self.bad("".join(lines), line, f"{count.strip()} {what}: must be >= 0 and, by the length of the file, <= ")
+
+    def test_ends_of_lines_of_two_characters(self):
+        path = self.folder / "dos.frd"
+        path.write_bytes(frd_text().replace("\n", "\r\n").encode())
+        self.assertEqual(frd.read_frd(path).steps[0].fields["SDV"][1].tolist(), [2, 3, 4, 5, 6, 7, -2, 2.5])
 
     def test_no_file(self):
         with self.assertRaises(FileNotFoundError):
@@ -322,8 +482,18 @@ class Dat(Folder):
         self.bad(text.replace("         2   1", "         2   x"), 6, "expected a number")
         self.bad(text.replace(" -5.000000E-01\n         2", "\n         2"), 5, "as in the lines before")
         self.bad(text.rstrip("\n"), 11, "interrupted?")
+        self.bad(text.replace("1.125000E+00 -5", "         NaN -5"), 5, "expected a finite number")
+        self.bad(text.replace("time   1.0000000E+00", "time            NaN"), 2, "expected a time")
         self.path.write_text("\n")
         self.assertEqual(frd.Dat(self.path).read(), [])
+
+    def test_ends_of_lines_of_two_characters(self):
+        self.path.write_bytes(dat_text(1).replace("\n", "\r\n").encode())
+        dat = frd.Dat(self.path)
+        first = dat.read()
+        with open(self.path, "ab") as f:
+            f.write(dat_text(2).replace("\n", "\r\n").encode())
+        self.assertEqual([(b.name, b.time) for b in first + dat.read()], [("SDV", 1), ("RF", 1), ("SDV", 2), ("RF", 2)])
 
 
 def made_up_run(folder, case):
@@ -359,6 +529,50 @@ class History(Folder):
         means = gauss.element_means(state)[:, 1]
         centres = np.concatenate([m.nodes[cells].mean(axis=1) for cells in m.elements()])
         self.assertTrue(np.allclose(means, 1.05 + centres[:, 2] / 1e4, atol=1e-12))
+
+    def test_damaged_results_are_named(self):
+        """By all who read them: figures.py, studies.py and --resume."""
+        figures, studies = importlib.import_module("figures"), importlib.import_module("studies")
+        case = deck.Case("tiny", duration=7.0)
+        made_up_run(self.folder, case)
+        good = {name: (self.folder / name).read_bytes() for name in ("history.csv", "fields.npz", "case.json")}
+        fields = dict(np.load(self.folder / "fields.npz"))
+        states = fields["gauss"].copy()
+        states[1, 3, 0] = np.nan
+
+        def npz(**changed):
+            np.savez(self.folder / "changed.npz", **{**fields, **changed})
+            return (self.folder / "changed.npz").read_bytes()
+
+        half = len(good["fields.npz"]) // 2
+        flipped = bytearray(good["fields.npz"])
+        flipped[half] ^= 1
+        for name, content, words in (
+                ("history.csv", good["history.csv"][:-20], "history.csv:3: "),
+                ("history.csv", good["history.csv"].replace(b",1.07", b",nan", 1), "history.csv:2: lambda_e_mean = 'nan': expected a finite"),
+                ("history.csv", good["history.csv"].replace(b"G_max", b"G"), "history.csv:1: "),
+                ("history.csv", b"\n".join(good["history.csv"].split(b"\n")[:2]) + b"\n", "end before day 7"),
+                ("fields.npz", good["fields.npz"][:half], "fields.npz: is damaged or cut"), ("fields.npz", b"", "is damaged or cut"),
+                ("fields.npz", bytes(flipped), "fields.npz: is damaged or cut"), ("fields.npz", b"text", "is damaged or cut"),
+                ("fields.npz", npz(gauss=states), "fields.npz: gauss[1, 3, 0] = nan: expected a finite number"),
+                ("fields.npz", npz(gauss=fields["gauss"][:, :5]), "fields.npz: gauss has shape (2, 5, 5): expected (2, 800, "),
+                ("fields.npz", npz(times=[1.0, 5.0]), "end before day 7, the end of the run"),
+                ("fields.npz", npz(times=np.array([None, 7.0])), "is damaged or cut"),
+                ("case.json", good["case.json"][:-9], "case.json:1: column"), ("case.json", b"[]", "case.json: expected an object"),
+                ("case.json", good["case.json"].replace(b'"pull"', b'"push"'), "case.json: pull is missing"),
+                ("case.json", good["case.json"].replace(b"40.0", b'"far"'), "case.json: pull = 'far': expected a number")):
+            for path, text in good.items():
+                (self.folder / path).write_bytes(text)
+            (self.folder / name).write_bytes(content)
+            with self.assertRaises(files.FileError, msg=words) as caught:
+                studies.Run(self.folder)
+            self.assertIn(words, str(caught.exception))
+        (self.folder / "case.json").write_bytes(good["case.json"])
+        (self.folder / "fields.npz").write_bytes(good["fields.npz"][:half])
+        done = subprocess.run([sys.executable, EXAMPLES / "figures.py", self.folder], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, f"figures.py: {self.folder}/fields.npz: is damaged or cut, or no .npz\n"))
+        self.assertTrue(figures.NAMES and not any((self.folder / name).exists() for name in figures.NAMES))
 
     def test_another_print_is_refused(self):
         m = cylinder_mesh.mesh("tiny")
@@ -462,8 +676,7 @@ class Options(Folder):
         self.base = ["--size", "tiny", "--ccx", self.ccx, "--library-dir", self.folder, "--out", self.folder / "out"]
 
     def call(self, *options):
-        return subprocess.run([sys.executable, EXAMPLES / "cylinder.py", *self.base, *map(str, options)], cwd="/",
-                              capture_output=True, text=True)
+        return self.main("cylinder", *self.base, *options)
 
     def test_bad_options(self):
         for options, words in ((("--size", "huge"), "'huge'"), (("--ends", "glued"), "'glued'"),
@@ -492,6 +705,99 @@ class Options(Folder):
         self.assertIn("PROPS(5) = 0.9: G_max must be > 1.", done.stderr)
         self.assertNotIn("Traceback", done.stderr)
         self.assertFalse((self.folder / "out" / "history.csv").exists())
+
+    def test_options_have_limits(self):
+        for options, words in ((("--ramp", 1e-300), "--ramp = 1e-300: must be > 0, at least 0.0001 and at most 3650"),
+                               (("--duration", 1e16), "--duration = 1e+16: must be <= 3650"),
+                               (("--duration", "1e999"), "--duration = inf: must be finite"),
+                               (("--tau", 1e-300), "--tau = 1e-300: must be >= 0.001 and <= 1e6"),
+                               (("--tendon-stiffness", 1e300), "must be > 0 and <= 1e6"),
+                               (("--threads", 40000), "--threads = 40000: must be > 0 and <= 256"),
+                               (("--pull", "4O"), "argument --pull: invalid float value: '4O'"),
+                               (("--pul1", 3), "unrecognized arguments: --pul1 3")):
+            done = self.call(*options)
+            self.assertEqual((done.returncode, done.stdout), (2, ""), options)
+            self.assertIn(words, done.stderr)
+
+    def test_ccx_is_killed(self):
+        self.ccx.write_text("#!/bin/sh\necho step 3\nkill -9 $$\n")
+        done = self.call()
+        self.assertEqual((done.returncode, done.stderr), (1, "cylinder.py: ccx was killed by signal 9 (Killed); "
+                                                             f"{self.folder}/out/ccx/leg0.log says:\nstep 3\n"))
+        self.ccx.write_text("this is no program\n")
+        done = self.call()
+        self.assertEqual((done.returncode, done.stderr), (1, f"cylinder.py: {self.ccx}: Exec format error\n"))
+
+    def test_where_nothing_can_be_written(self):
+        """Before the work: ccx is not even started."""
+        self.ccx.write_text(f"#!/bin/sh\ntouch {self.folder}/started\n")
+        out = self.folder / "out"
+        out.write_text("a file")
+        done = self.call()
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, f"cylinder.py: {out}: cannot be made a folder: there is a file of that name\n"))
+        done = subprocess.run([sys.executable, EXAMPLES / "cylinder.py", *self.base[:-1], self.folder / "full"], capture_output=True,
+                              text=True, preexec_fn=no_room(8192))
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, f"cylinder.py: {self.folder}/full: cannot be written to: File too large\n"))
+        done = self.call("--out", "/proc/nothing")
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, "cylinder.py: /proc/nothing: cannot be written to: No such file or directory\n"))
+        self.assertFalse((self.folder / "started").exists())
+
+    def test_an_older_runs_results_are_not_left(self):
+        out = self.folder / "out"
+        out.mkdir()
+        older = ["history.csv", "fields.npz", "cylinder.pvd", "day_7.vtu", "fig1_mesh.png", "fig4_sarcomere_number.png"]
+        for name in [*older, "notes.txt"]:
+            (out / name).write_text("older")
+        self.assertEqual(self.call().returncode, 1)
+        self.assertEqual([name for name in older if (out / name).exists()], [])
+        self.assertTrue((out / "notes.txt").exists())
+
+    def test_two_at_once(self):
+        self.ccx.write_text("#!/bin/sh\nsleep 20\n")
+        first = subprocess.Popen([sys.executable, EXAMPLES / "cylinder.py", *self.base], stdout=subprocess.DEVNULL,
+                                 stderr=subprocess.DEVNULL)
+        while not (self.folder / "out" / "ccx" / "leg0.log").exists():
+            time.sleep(0.05)
+        done = self.call()
+        first.terminate()
+        first.wait()
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, f"cylinder.py: {self.folder}/out/ccx: another run is at work there\n"))
+
+    def test_kept_runs_of_studies(self):
+        """Damaged or another's: named before anything is run."""
+        studies = importlib.import_module("studies")
+        out = self.folder / "out"
+        (out / "coarse").mkdir(parents=True)
+        for text, words in (("{", "coarse/case.json:1: column 2: is damaged or no JSON"), ("{}", "coarse/case.json: size is missing")):
+            (out / "coarse" / "case.json").write_text(text)
+            done = self.main("studies", *self.base[2:])
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(words, done.stderr)
+        (out / "coarse" / "case.json").write_text(json.dumps(deck.Case()._asdict()))
+        (out / "coarse" / "fields.npz").write_text("cut")
+        (out / "tables.md").write_text("older")
+        page = self.folder / "page.md"
+        page.write_text("no marks")
+        paper = self.folder / "paper"
+        paper.mkdir()
+        (paper / "case.json").write_text(json.dumps(deck.Case("paper", ramp=2.0)._asdict()))
+        for options, status, words in (((), 1, "coarse/"), (("--jobs", "0"), 2, "--jobs: 0: must be"), (("--jobs", "nan"), 2, "must be a whole number"),
+                                       (("--write", page), 1, "page.md: no section between"),
+                                       (("--paper", paper), 1, f"--paper {paper}: the run there has ramp = 2.0, not 1.0"),
+                                       (("--paper", self.folder / "none"), 1, "none/case.json: No such file or directory")):
+            done = self.main("studies", *self.base[2:], *options)
+            self.assertEqual(done.returncode, status, done.stderr)
+            self.assertIn(words, done.stderr)
+            self.assertFalse((out / "tables.md").exists() and status == 1)
+        self.assertEqual(sorted(p.name for p in out.iterdir()), ["coarse"])
+        job = studies.Job("coarse", deck.Case(pull=36.0), out / "coarse", self.ccx, self.folder)
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            self.assertFalse(studies.is_done(job))
+        self.assertIn("the run there has pull = 40.0, not 36.0: it is made anew", said.getvalue())
 
     def test_no_results(self):
         self.ccx.write_text("#!/bin/sh\necho nothing to do\n")
@@ -584,9 +890,12 @@ class Readme(Folder):
 
 @unittest.skipUnless(HAS_CCX, "no ccx that loads libraries, or no libMYOGROWTH.so")
 class Job(Folder):
+    @staticmethod
+    def options(out, *options, ccx=CCX):
+        return ["--size", "tiny", "--ccx", ccx, "--library-dir", LIBRARY_DIR, "--out", out, "--threads", "1", *map(str, options)]
+
     def command(self, out, *options):
-        return [sys.executable, EXAMPLES / "cylinder.py", "--size", "tiny", "--ccx", CCX, "--library-dir", LIBRARY_DIR,
-                "--out", out, "--threads", "1", *map(str, options)]
+        return [sys.executable, EXAMPLES / "cylinder.py", *self.options(out, *options)]
 
     def run_job(self, name, *options):
         done = subprocess.run(self.command(self.folder / name, *options), capture_output=True, text=True)
@@ -679,6 +988,68 @@ class Job(Folder):
         _, straight = self.run_job("straight", "--duration", 14)
         self.assertEqual((out / "history.csv").read_text(), (straight / "history.csv").read_text())
         self.assertEqual((out / "ccx" / "leg0.npz").read_bytes(), (self.folder / "kept.npz").read_bytes())
+
+    def test_what_ccx_did_not_write(self):
+        """A disk that is full, a file that is cut: ccx ends with status 0, and its job is not taken for done."""
+        spoiled, good = self.folder / "ccx", self.folder / "good"
+        for harm, words in (("truncate -s -3000 leg0.frd", "leg0.frd:"), ("truncate -s -300 leg0.dat", "leg0.dat:"),
+                            ("sed -i '/STRESS/,$d' leg0.frd", "leg0.frd:"), ("rm leg0.frd", "leg0.frd: No such file"),
+                            ("sed -i 's/ 0.1000000E+01/ 0.9500000E+00/' leg0.dat", "leg0.dat ends on day 0.95, not on day 1;"),
+                            ("rm leg0.dat", "ccx printed no results"), ("rm leg0.rout", "leg0.rout: No such file"),
+                            (r"sed -i 's/ 1\.[0-9]\{6\}E+00/          NaN/' leg0.dat", "expected a finite number")):
+            spoiled.write_text(f"#!/bin/sh\nif ! [ -d {good} ]; then {CCX} \"$1\" || exit; mkdir {good}; cp leg0.* {good}; fi\n"
+                               f"mkdir harmed; cp {good}/leg0.[dfr]* harmed; cd harmed; {harm}; mv leg0.* ..; rmdir ../harmed\n")
+            spoiled.chmod(0o755)
+            done = self.main("cylinder", *self.options(self.folder / "run", "--duration", 7, ccx=spoiled))
+            self.assertEqual(done.returncode, 1, harm)
+            self.assertIn(words, done.stderr, harm)
+            self.assertFalse((self.folder / "run" / "ccx" / "leg0.npz").exists(), harm)
+
+    def test_damaged_files_are_named_on_resume(self):
+        _, out = self.run_job("whole", "--duration", 7)
+        history_csv = (out / "history.csv").read_text()
+
+        def resumed(harm, *options):
+            harmed = self.folder / "harmed"
+            shutil.rmtree(harmed, ignore_errors=True)
+            shutil.copytree(out, harmed)
+            harm(harmed / "ccx")
+            return self.main("cylinder", *self.options(harmed, "--duration", 7, "--resume", *options))
+
+        def cut(path):
+            path.write_bytes(path.read_bytes()[:-100])
+
+        def flip(path, at):
+            content = bytearray(path.read_bytes())
+            content[at] ^= 1
+            path.write_bytes(content)
+
+        def rewrite(path, **changed):
+            np.savez(path, **{**np.load(path), **changed})
+
+        last = dict(np.load(out / "ccx" / "leg1.npz"))
+        not_a_number = last["rows"].copy()
+        not_a_number[2, 1] = np.nan
+        for harm, words in ((lambda ccx: cut(ccx / "leg0.npz"), "leg0.npz: is damaged or cut"),
+                            (lambda ccx: flip(ccx / "leg0.npz", 5000), "leg0.npz: is damaged or cut"),
+                            (lambda ccx: rewrite(ccx / "leg1.npz", rows=not_a_number), "leg1.npz: rows[2, 1] = nan"),
+                            (lambda ccx: rewrite(ccx / "leg1.npz", rows=last["rows"][:-1]), "leg1.npz: ends on day "),
+                            (lambda ccx: rewrite(ccx / "leg1.npz", state=last["state"][:, :2]), "leg1.npz: state has shape (800, 2)"),
+                            (lambda ccx: rewrite(ccx / "leg1.npz", digests=["x", *last["digests"][1:]]), "made with another deck"),
+                            (lambda ccx: cut(ccx / "leg1.frd"), "leg1.frd: is cut, or not the one that this run wrote"),
+                            (lambda ccx: flip(ccx / "leg1.frd", 5000), "leg1.frd: is cut, or not the one"),
+                            (lambda ccx: (ccx / "leg0.frd").unlink(), "leg0.frd: No such file"),
+                            (lambda ccx: (ccx / "leg1.npz").unlink(), "leg1.rin: No such file"),
+                            (lambda ccx: ((ccx / "leg1.npz").unlink(), (ccx / "leg1.rin").write_text("x")), "leg1.rin: is cut, or not"),
+                            (lambda ccx: cut(ccx.parent / "case.json"), "case.json:")):
+            done = resumed(harm)
+            self.assertEqual(done.returncode, 1, words)
+            self.assertIn(words, done.stderr)
+        done = resumed(lambda ccx: None, "--pull", 36)
+        self.assertIn("has pull = 40.0, not 36.0", done.stderr)
+        done = resumed(lambda ccx: None)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual((self.folder / "harmed" / "history.csv").read_text(), history_csv)
 
     def test_ends_and_options(self):
         peaks = {}
