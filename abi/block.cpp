@@ -24,7 +24,8 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
   constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
   constexpr int n_tangent = tangent == Tangent::none ? 0 : n_stress * n_stress;
   const auto check = [&b](const auto& at) {
-    auto sum = at(b.stress);
+    auto sum = at(b.stress) + at(b.G_end);
+    for (int c = 0; c < 5; ++c) sum = sum + at(b.scalars + c * points);
     for (int c = 1; c < n_stress; ++c) sum = sum + at(b.stress + c * points);
     for (int c = 0; c < n_tangent; ++c) sum = sum + at(b.tangent + c * points);
     return sum * decltype(sum)(0);  // NaN if it is not finite

@@ -27,7 +27,7 @@ struct MyogrowthBlock {
   double stress[9 * myogrowth_block_points], tangent[81 * myogrowth_block_points];
   double G_end[myogrowth_block_points];
   double scalars[5 * myogrowth_block_points];  ///< lambda_e, lambda, J, Je, psi
-  double check[myogrowth_block_points];        ///< 0 if all of stress and tangent, and their sum, is finite
+  double check[myogrowth_block_points];        ///< 0 if all that comes out, and its sum, is finite
 };
 
 /// Updates the first n points. measure: 0 Cauchy, 1 first, 2 second Piola-Kirchhoff. Where a point has no

@@ -114,9 +114,8 @@ void write_state(const double (&ours)[n_ours], int n_state, const Point& p) {
 int update(const Common& common, const Point& p, abi::Text& text) {
   const double* given = common.properties.n0;
   double n0[3] = {given[0], given[1], given[2]};
-  double any[3] = {1, 0, 0};  // what is wrong in spite of it is the state itself
-  if (abi::find_state_fault(p.state_in, common.n_state, any, text)) return MYOGROWTH_BAD_STATE;
-  if (abi::find_state_fault(p.state_in, common.n_state, n0, text)) return MYOGROWTH_NO_FIBRE;
+  if (abi::find_state_fault(p.state_in, common.n_state, common.properties, text)) return MYOGROWTH_BAD_STATE;
+  if (abi::find_fibre_fault(p.state_in, common.n_state, n0, text)) return MYOGROWTH_NO_FIBRE;
 
   double V[9];  // an F that has none is refused below
   const bool turned = common.properties.local_basis && left_stretch(p.F, V);
@@ -188,7 +187,8 @@ void update_many(const Common& common, const Points& points, int start, int coun
     const Point p = points[start + k];
     double n0[3] = {properties.n0[0], properties.n0[1], properties.n0[2]}, unit[3] = {1, 0, 0};
     const double G_n = abi::number_at_start(p.state_in);
-    done[k] = !abi::find_state_fault(p.state_in, common.n_state, n0, ignored) && normalise(n0, unit) &&
+    done[k] = !abi::find_state_fault(p.state_in, common.n_state, properties, ignored) &&
+              !abi::find_fibre_fault(p.state_in, common.n_state, n0, ignored) && normalise(n0, unit) &&
               abi::packs_can(p.F, G_n);
     const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, *F = done[k] ? p.F : identity;
     for (int i = 0; i < 9; ++i) block.F[k + stride * i] = F[i];

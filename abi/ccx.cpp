@@ -55,7 +55,7 @@ void update_point_of_ccx(const double* F_given, double dtime, const double* prop
   if (abi::find_props_fault(props, nprops, p, text) || abi::find_hybrid_fault("CalculiX", p, text) ||
       abi::find_room_fault("*DEPVAR", nstatev, text) ||
       abi::find_stretch_fault("*DEPVAR", nstatev, p, text) ||
-      abi::find_state_fault(statev, nstatev, p.n0, text)) {
+      abi::find_state_fault(statev, nstatev, p, text) || abi::find_fibre_fault(statev, nstatev, p.n0, text)) {
     end_job(text);
   }
   if (p.local_basis) {

@@ -22,7 +22,7 @@ constexpr int most_entries = 1000;  ///< of PROPS and of STATEV; as many as the 
 
 /// All that the UMAT reads of its arguments, as they were on entry.
 struct UmatCall {
-  int ntens, nstatv, nprops;
+  int ntens, ndi, nshr, nstatv, nprops;
   const double *statev, *props, *dfgrd1;
   double dtime, pnewdt;
   const double* J_hat;  ///< STRESS(NTENS+1) of a mixed element, else null
@@ -46,6 +46,7 @@ void write_entries(std::FILE* file, const char* count, const char* name, const d
   const int listed = n < most_entries ? n : most_entries;
   std::fprintf(file, "  %s = %d\n", count, n);
   if (listed > 0) std::fprintf(file, "  %s =\n", name);
+  if (listed < n) std::fprintf(file, "  ! the first %d of them only, more than can be replayed\n", listed);
   for (int i = 0; i < listed; ++i) {
     std::fputs("    ", file);
     write_number(file, x[i]);
@@ -61,8 +62,11 @@ inline void write_call(std::FILE* file, int number, const UmatCall& call, const 
       "&point\n"
       "  fault = \"%s\"\n"
       "  ntens = %d\n"
+      "  ndi = %d\n"
+      "  nshr = %d\n"
       "  dtime = ",
-      MYOGROWTH_VERSION_MAJOR, MYOGROWTH_VERSION_MINOR, MYOGROWTH_VERSION_PATCH, number, fault, call.ntens);
+      MYOGROWTH_VERSION_MAJOR, MYOGROWTH_VERSION_MINOR, MYOGROWTH_VERSION_PATCH, number, fault, call.ntens,
+      call.ndi, call.nshr);
   write_number(file, call.dtime);
   std::fputs("\n  pnewdt = ", file);
   write_number(file, call.pnewdt);
@@ -90,7 +94,7 @@ inline void dump(const UmatCall& call, const char* fault) {
   static std::atomic<int> dumps{0};
   if (dumps >= most_dumps || dumps++ >= most_dumps) return;  // the first so that it cannot wrap around
 
-  char path[1024] = "";
+  char path[4096 + 32] = "";  // no system's paths are longer than 4096
   std::FILE* file = nullptr;
   int number = 0;
   do {
@@ -105,6 +109,7 @@ inline void dump(const UmatCall& call, const char* fault) {
     if (std::fclose(file) == 0 && !incomplete) return;
   }
   const int reason = errno;
+  if (file) std::remove(path);  // half a call is of no use
   static std::atomic<bool> told{false};
   dumps = most_dumps;
   if (told.exchange(true)) return;

@@ -138,7 +138,7 @@ inline bool find_hybrid_fault(const char* where, const Properties& properties, T
 /// variables.
 inline bool find_room_fault(const char* name, int nstatev, Text& text) {
   if (nstatev >= n_statev_required) return false;
-  return tell(text, "%s = %d: at least %d is needed, to remember G (*DEPVAR; %d keeps all).", name, nstatev,
+  return tell(text, "%s = %d: at least %d is needed, to remember G (%d keeps all).", name, nstatev,
               n_statev_required, n_statev);
 }
 
@@ -152,39 +152,83 @@ inline bool find_stretch_fault(const char* name, int nstatev, const Properties& 
 
 /// The fibre stretch at the beginning of a step, as STATEV remembers it; 1 where nothing is known yet.
 inline double stretch_at_start(const double* statev, int nstatev) {
-  const bool known = nstatev > stretch_entry && is_finite(statev[stretch_entry]) && statev[stretch_entry] > 0;
-  return known ? statev[stretch_entry] : 1;
+  return nstatev > stretch_entry && statev[stretch_entry] > 0 ? statev[stretch_entry] : 1;
 }
 
 /// Whether STATEV has room for the fibre, which is kept whole or not at all.
 inline bool keeps_fibre(int nstatev) { return nstatev >= fibre_entry + 3; }
 
-/// Checks STATEV(1:nstatev), nstatev >= n_statev_required, of one point on entry, and takes the fibre from it
-/// if it has one; n0 comes in as PROPS says it. True, and the text, if G or the fibre is not allowed.
-inline bool find_state_fault(const double* statev, int nstatev, double (&n0)[3], Text& text) {
-  if (!is_finite(statev[0]) || statev[0] < 0) {
-    return tell(
-        text,
-        "STATEV(1) = %.9g on entry: G, the sarcomere number, must be > 0, or 0 where nothing is known yet.",
-        statev[0]);
+/// Checks what is used of STATEV(1:nstatev), nstatev >= n_statev_required, of one point on entry. Index of
+/// the first entry that is not allowed: G, lambda or the fibre; -1 if all are.
+inline int find_bad_state_entry(const double* statev, int nstatev, const Properties& properties) {
+  const auto is_known_or_zero = [](double x) { return is_finite(x) && x >= 0; };
+  if (!is_known_or_zero(statev[0])) return 0;
+  const bool second_order = properties.material.integration == TimeIntegration::midpoint_flow;
+  if ((second_order || properties.tolerance > 0) && nstatev > stretch_entry &&
+      !is_known_or_zero(statev[stretch_entry])) {
+    return stretch_entry;
   }
+  const double* fibre = statev + fibre_entry;
+  if (!keeps_fibre(nstatev) || is_finite(fibre[0] + fibre[1] + fibre[2])) return -1;
+  for (int i = 0; i < 3; ++i) {
+    if (!is_finite(fibre[i])) return fibre_entry + i;
+  }
+  return -1;
+}
+
+/// True, and the text, if an entry of STATEV is not allowed.
+inline bool find_state_fault(const double* statev, int nstatev, const Properties& properties, Text& text) {
+  const int bad = find_bad_state_entry(statev, nstatev, properties);
+  if (bad < 0) return false;
+  if (bad >= fibre_entry) {
+    return tell(text, "STATEV(%d) = %.9g on entry: the fibre direction must be finite.", bad + 1,
+                statev[bad]);
+  }
+  return tell(text, "STATEV(%d) = %.9g on entry: %s must be > 0, or 0 where nothing is known yet.", bad + 1,
+              statev[bad], bad == 0 ? "G, the sarcomere number," : "lambda, the fibre stretch,");
+}
+
+/// Replaces n0, the fibre of PROPS, by that of STATEV if it has one. True, and the text, if there is none at
+/// all.
+inline bool find_fibre_fault(const double* statev, int nstatev, double (&n0)[3], Text& text) {
   if (keeps_fibre(nstatev)) {
     const double* fibre = statev + fibre_entry;
-    for (int i = 0; i < 3 && !is_finite(fibre[0] + fibre[1] + fibre[2]); ++i) {
-      if (!is_finite(fibre[i])) {
-        return tell(text, "STATEV(%d) = %.9g on entry: the fibre direction must be finite.",
-                    fibre_entry + i + 1, fibre[i]);
-      }
-    }
     const bool given = fibre[0] != 0 || fibre[1] != 0 || fibre[2] != 0;
     for (int i = 0; i < 3 && given; ++i) n0[i] = fibre[i];
   }
-  if (n0[0] == 0 && n0[1] == 0 && n0[2] == 0) {
-    return tell(
-        text,
-        "PROPS(7:9) = 0, 0, 0: n0, the fibre direction, must have a length > 0 (or give it in STATEV(6:8)).");
+  if (n0[0] != 0 || n0[1] != 0 || n0[2] != 0) return false;
+  return tell(
+      text,
+      "PROPS(7:9) = 0, 0, 0: n0, the fibre direction, must have a length > 0 (or give it in STATEV(6:8)).");
+}
+
+/// True, and the text, if Abaqus/Standard's numbers of stress components are not those of an element family
+/// that the UMAT computes.
+inline bool find_family_fault(int ntens, int ndi, int nshr, Text& text) {
+  if (ntens == 6 && ndi == 3 && nshr == 3) return false;
+  if ((ntens == 4 && ndi == 3 && nshr == 1) || (ntens == 3 && ndi == 2 && nshr == 1)) return false;
+  const char* unknown = nullptr;
+  if (ndi + nshr == ntens) {
+    if (ndi == 1 && nshr == 0) unknown = "trusses, and beams in a plane,";
+    if (ndi == 1 && nshr == 1) unknown = "beams in space, and cohesive elements in a plane,";
+    if (ndi == 1 && nshr == 2) unknown = "cohesive elements";
+    if (ndi == 2 && nshr == 0) unknown = "axisymmetric shells and membranes";
+    if (ndi == 3 && nshr == 0) unknown = "elements of one-dimensional generalised plane strain";
   }
-  return false;
+  if (unknown) {
+    return tell(text,
+                "NTENS = %d, NDI = %d, NSHR = %d: %s are not supported; NTENS must be 6 (solids), 4 (plane "
+                "strain, axisymmetric) or 3 (plane stress, membranes, shells).",
+                ntens, ndi, nshr, unknown);
+  }
+  if (ntens == 6 || ntens == 4 || ntens == 3) {
+    return tell(text, "NTENS = %d, NDI = %d, NSHR = %d: NDI and NSHR must be %d and %d with this NTENS.",
+                ntens, ndi, nshr, ntens == 3 ? 2 : 3, ntens == 6 ? 3 : 1);
+  }
+  return tell(text,
+              "NTENS = %d: must be 6 (solids), 4 (plane strain, axisymmetric) or 3 (plane stress, membranes, "
+              "shells).",
+              ntens);
 }
 
 extern "C" {

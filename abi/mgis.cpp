@@ -55,6 +55,10 @@ struct BehaviourData {
 struct Hypothesis {
   int n_tensor, n_symmetric;
   bool plane_stress;
+  int n_stress(int measure) const { return measure == 2 ? n_tensor : n_symmetric; }
+  int n_operator(int tangent) const {
+    return (tangent == 2 ? n_tensor : n_symmetric) * (tangent == 1 ? n_symmetric : n_tensor);
+  }
 };
 
 // Where the components of F are in our nine, column by column.
@@ -117,15 +121,16 @@ bool find_properties_fault(const double* given, abi::Properties& properties, abi
 }
 
 // The state at the beginning, in the places of STATEV.
-bool find_state_fault(const double* given, const Hypothesis& h, double (&statev)[abi::n_statev],
-                      abi::Text& text) {
+bool find_state_fault(const double* given, const Hypothesis& h, const abi::Properties& properties,
+                      double (&statev)[abi::n_statev], abi::Text& text) {
   for (double& x : statev) x = 0;
   for (int i = 0; i < n_variables; ++i) statev[i] = given[i];
   if (h.plane_stress) statev[abi::thickness_entry] = given[n_variables];
-  if (is_finite(statev[0]) && statev[0] >= 0) return false;
-  return abi::tell(text,
-                   "G = %.9g at the beginning of the step: must be > 0, or 0 where nothing is known yet.",
-                   statev[0]);
+  const int bad = abi::find_bad_state_entry(statev, abi::n_statev, properties);
+  return bad >= 0 &&
+         abi::tell(text,
+                   "%s = %.9g at the beginning of the step: must be > 0, or 0 where nothing is known yet.",
+                   abi::state_variable(bad).symbol, statev[bad]);
 }
 
 void take_deformation(const double* gradients, const Hypothesis& h, double F[9]) {
@@ -224,15 +229,26 @@ int fail(BehaviourData& d, const abi::Text& text) {
   return -1;
 }
 
+// The results of a point that has none: NaN, so that no host can continue silently.
+int refuse(const Hypothesis& h, const Request& request, BehaviourData& d, const abi::Text& text) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < h.n_operator(request.tangent) && request.with_operator; ++i) d.K[i] = nan;
+  if (!request.only_prediction) {
+    for (int i = 0; i < h.n_stress(request.measure); ++i) d.s1.thermodynamic_forces[i] = nan;
+    if (d.s1.stored_energy) *d.s1.stored_energy = nan;
+  }
+  return fail(d, text);
+}
+
 int integrate(const Hypothesis& h, BehaviourData& d) {
   Request request{};
   abi::Properties properties;
   double statev[abi::n_statev];
   abi::Text text;
-  if (find_request_fault(d.K, request, text) ||
-      find_properties_fault(d.s1.material_properties, properties, text) ||
-      find_state_fault(d.s0.internal_state_variables, h, statev, text)) {
-    return fail(d, text);
+  if (find_request_fault(d.K, request, text)) return fail(d, text);
+  if (find_properties_fault(d.s1.material_properties, properties, text) ||
+      find_state_fault(d.s0.internal_state_variables, h, properties, statev, text)) {
+    return refuse(h, request, d, text);
   }
 
   double F[9], F0[9];
@@ -244,9 +260,7 @@ int integrate(const Hypothesis& h, BehaviourData& d) {
   Status status = update(properties, h, statev, dt, F, u);
 
   double stress[9], K[81];
-  const int n_stress = request.measure == 2 ? h.n_tensor : h.n_symmetric;
-  const int n_rows = request.tangent == 2 ? h.n_tensor : h.n_symmetric;
-  const int n_columns = request.tangent == 1 ? h.n_symmetric : h.n_tensor;
+  const int n_stress = h.n_stress(request.measure), n_operator = h.n_operator(request.tangent);
   if (status == Status::ok) {
     write_stress(request.measure, h, F, u, stress);
     if (!are_finite(stress, n_stress)) status = Status::not_finite;
@@ -261,18 +275,14 @@ int integrate(const Hypothesis& h, BehaviourData& d) {
     } else {
       write_dX_dF(request.tangent, h, F, F0, v, c, K);
     }
-    if (!are_finite(K, n_rows * n_columns)) status = Status::not_finite;
+    if (!are_finite(K, n_operator)) status = Status::not_finite;
   }
   if (status != Status::ok) {
-    for (int i = 0; i < n_stress && !request.only_prediction; ++i) {  // no host can go on unawares
-      d.s1.thermodynamic_forces[i] = std::numeric_limits<double>::quiet_NaN();
-    }
     abi::tell(text, "%s.", abi::text(status));
-    return fail(d, text);
+    return refuse(h, request, d, text);
   }
 
-  if (request.with_operator)
-    std::memcpy(d.K, K, sizeof(double) * static_cast<std::size_t>(n_rows * n_columns));
+  if (request.with_operator) std::memcpy(d.K, K, sizeof(double) * static_cast<std::size_t>(n_operator));
   if (request.only_prediction) return 1;
   for (int i = 0; i < n_stress; ++i) d.s1.thermodynamic_forces[i] = stress[i];
   abi::write_state(u, d.s1.internal_state_variables, n_variables);
@@ -389,8 +399,8 @@ int FibreGrowth_setParameter(const char* name, double value) {
 }
 
 /// One time step at one point. Returns 1; 0 if a shorter step is advised (rdt); -1 if there is no result:
-/// error_message says why, the stresses are NaN (unless K is wrong), rdt is at most 0.25, all else is as it
-/// was.
+/// error_message says why, stresses, stored energy and operator are NaN (unless K is wrong), rdt is at most
+/// 0.25, all else is as it was.
 int FibreGrowth_Tridimensional(BehaviourData* d) { return integrate({9, 6, false}, *d); }
 int FibreGrowth_PlaneStrain(BehaviourData* d) { return integrate({5, 4, false}, *d); }
 int FibreGrowth_Axisymmetrical(BehaviourData* d) { return integrate({5, 4, false}, *d); }

@@ -4,8 +4,10 @@
 // The element's state is uniform, so all its points see and return the same: successive calls with the same
 // arguments are one evaluation, of which the first call is looked at, and no point has to be told from
 // another. What is remembered is static: one job of one element in one thread.
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <myogrowth/version.hpp>
 
 #include "fortran_name.hpp"
@@ -130,7 +132,7 @@ struct Watch {
   double F_last[9] = {};
   int shear_place = -1;
   int uses[n_uses] = {}, solves = 0;
-  bool told = false;
+  bool told = false, told_of_file = false;
 };
 Watch watch;
 
@@ -650,9 +652,18 @@ void probe(double* stress, double* statev, double* ddsdde, const double* stran, 
   if (again) return;
 
   // Written anew each time, so that a crash of the host loses nothing.
-  if (std::FILE* file = std::fopen("myogrowth_probe.txt", "w")) {
+  const char* const name = "myogrowth_probe.txt";
+  std::FILE* file = std::fopen(name, "w");
+  bool written = false;
+  if (file) {
     write_verdict(file);
-    std::fclose(file);
+    const bool whole = std::ferror(file) == 0;
+    written = std::fclose(file) == 0 && whole;
+  }
+  if (!written && !watch.told_of_file) {
+    watch.told_of_file = true;
+    std::fprintf(stderr, "myogrowth probe: %s cannot be written in the host's folder: %s.\n", name,
+                 std::strerror(errno));
   }
   const double reached = watch.no_deformation ? time[1] + dtime : watch.now.t;
   if (!watch.told && (!solid || reached > path_end - 1e-3)) {

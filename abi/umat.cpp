@@ -26,29 +26,28 @@ namespace {
 
 using namespace myogrowth;
 
-// STRESS, DDSDDE and PNEWDT of a call that gave no result: no host can go on with them unawares.
-void refuse(double* stress, double* ddsdde, int ntens, double& pnewdt) {
+// What a call that gave no result returns: NaN, so that a host that ignores PNEWDT cannot continue silently.
+// K_and_dK_dJ: of a mixed element, else null.
+void refuse(double* stress, double* ddsdde, double* sse, int ntens, double* K_and_dK_dJ, double& pnewdt) {
   if (ntens < 0) ntens = 0;
   const double nan = std::numeric_limits<double>::quiet_NaN();
+  *sse = nan;
+  for (int i = 0; i < 2 && K_and_dK_dJ; ++i) K_and_dK_dJ[i] = nan;
   for (int i = 0; i < ntens; ++i) stress[i] = nan;
   for (int i = 0; i < ntens * ntens; ++i) ddsdde[i] = nan;
   if (!(pnewdt <= abi::cut_back)) pnewdt = abi::cut_back;
 }
 
 // True, and the text, if the arguments are not as they must be.
-bool find_fault(int ntens, int nstatv, const double* statev, const double* props, int nprops,
-                abi::Properties& properties, abi::Text& text) {
-  if (ntens != 6 && ntens != 4 && ntens != 3) {
-    return abi::tell(text,
-                     "NTENS = %d: must be 6 (solids), 4 (plane strain, axisymmetric) or 3 (plane stress, "
-                     "membranes, shells).",
-                     ntens);
-  }
+bool find_fault(int ntens, int ndi, int nshr, int nstatv, const double* statev, const double* props,
+                int nprops, abi::Properties& properties, abi::Text& text) {
+  if (abi::find_family_fault(ntens, ndi, nshr, text)) return true;
   return abi::find_props_fault(props, nprops, properties, text) ||
          (ntens == 3 && abi::find_hybrid_fault("plane stress", properties, text)) ||
          abi::find_room_fault("NSTATV", nstatv, text) ||
          abi::find_stretch_fault("NSTATV", nstatv, properties, text) ||
-         abi::find_state_fault(statev, nstatv, properties.n0, text);
+         abi::find_state_fault(statev, nstatv, properties, text) ||
+         abi::find_fibre_fault(statev, nstatv, properties.n0, text);
 }
 
 // Of DFGRD1, what the element type has: F_33 is not given in plane stress, and all is zero in some hosts
@@ -74,21 +73,17 @@ bool pack(const double* tau, const double* c, int rows, double per_J, double* st
   return are_finite(stress, n) && are_finite(ddsdde, n * n);
 }
 
-// Twice what no entry of spatial_modulus(u, ., per_J) and of the stress exceeds: b_e is positive definite,
-// and a product of two of f's components is no more than lambda^2.
-double bound(const PointUpdate<double>& u, double per_J) {
-  const double* g = u.dtau_dG;
-  const double* t = u.tau;
-  const double trace = u.be[0] + u.be[1] + u.be[2];
-  const double growth =
-      (std::abs(g[0]) + std::abs(g[1]) + std::abs(g[2])) + (std::abs(g[3]) + std::abs(g[4]) + std::abs(g[5]));
-  const double stress = (std::abs(t[0]) + std::abs(t[1])) + std::abs(t[2]) + (u.c2 + u.c2) * trace;
-  return 2 * per_J * ((std::abs(u.c1) + stress) + growth * (u.dG_dlambda * u.lambda));
+// Whether stress and tangent of a solid are finite: by their sum, which costs less than to look at each.
+bool are_finite_in_sum(const double* stress, const double* ddsdde) {
+  const auto sum = [](const double* x) { return (x[0] + x[1] + x[2]) + (x[3] + x[4] + x[5]); };
+  double all = sum(stress);
+  for (int j = 0; j < 6; ++j) all += sum(ddsdde + 6 * j);
+  return is_finite(all) || (are_finite(stress, 6) && are_finite(ddsdde, 36));
 }
 
 void update_state(double* stress, double* statev, double* ddsdde, double* sse, double* rpl, double* ddsddt,
-                  double* drplde, double* drpldt, double dtime, int ntens, int nstatv, const double* props,
-                  int nprops, double* pnewdt, const double* dfgrd1) {
+                  double* drplde, double* drpldt, double dtime, int ntens, int ndi, int nshr, int nstatv,
+                  const double* props, int nprops, double* pnewdt, const double* dfgrd1) {
   *rpl = *drpldt = 0;
   if (ntens == 6) {
     std::fill_n(ddsddt, 6, 0.0);
@@ -97,15 +92,15 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     for (int i = 0; i < ntens; ++i) ddsddt[i] = drplde[i] = 0;
   }
 
-  const double* J_hat = nullptr;              // STRESS(NTENS+1), in a mixed element
+  double* J_hat = nullptr;                    // STRESS(NTENS+1), in a mixed element
   const auto fail = [&](const char* fault) {  // STATEV is still as it came in, wherever this is called
-    abi::dump({ntens, nstatv, nprops, statev, props, dfgrd1, dtime, *pnewdt, J_hat}, fault);
-    refuse(stress, ddsdde, ntens, *pnewdt);
+    abi::dump({ntens, ndi, nshr, nstatv, nprops, statev, props, dfgrd1, dtime, *pnewdt, J_hat}, fault);
+    refuse(stress, ddsdde, sse, ntens, J_hat ? J_hat + 1 : nullptr, *pnewdt);
   };
 
   abi::Properties properties;
   abi::Text text;
-  if (find_fault(ntens, nstatv, statev, props, nprops, properties, text)) {
+  if (find_fault(ntens, ndi, nshr, nstatv, statev, props, nprops, properties, text)) {
     fail(text);
     abi::report("UMAT", text, MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR), MYOGROWTH_FORTRAN(xit, XIT));
     return;
@@ -140,7 +135,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     // STRESS goes on: after J^, which is given, K = J d2U/dJ^2 and dK/dJ^ to be returned.
     MixedVolume<double> volume{1, std::numeric_limits<double>::quiet_NaN()};
     update_mixed(properties.material, F, properties.n0, G_n, lambda_n, dtime, *J_hat, u, c, volume);
-    double* extra = stress + ntens + 1;
+    double* extra = J_hat + 1;
     extra[0] = volume.K;
     extra[1] = mixed_dK_dJ(properties.material, F, properties.n0, G_n, lambda_n, dtime, *J_hat);
     finite = (ntens == 6 ? pack<6>(u.tau, c, 6, 1 / volume.J, stress, ddsdde)
@@ -151,7 +146,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     if (ntens == 6) {
       spatial_modulus(u, ddsdde, per_J);
       for (int i = 0; i < 6; ++i) stress[i] = u.tau[i] * per_J;
-      finite = is_finite(bound(u, per_J)) || (are_finite(ddsdde, 36) && are_finite(stress, 6));
+      finite = are_finite_in_sum(stress, ddsdde);
     } else {
       spatial_modulus(u, c, per_J);
       for (int i = 0; i < 6; ++i) u.tau[i] *= per_J;
@@ -179,14 +174,14 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
       double *rpl, double *ddsddt, double *drplde, double *drpldt, const double * /*stran*/,            \
       const double * /*dstran*/, const double * /*time*/, const double *dtime, const double * /*temp*/, \
       const double * /*dtemp*/, const double * /*predef*/, const double * /*dpred*/,                    \
-      const char * /*cmname*/, const int * /*ndi*/, const int * /*nshr*/, const int *ntens,             \
-      const int *nstatv, const double *props, const int *nprops, const double * /*coords*/,             \
-      const double * /*drot*/, double *pnewdt, const double * /*celent*/, const double * /*dfgrd0*/,    \
-      const double *dfgrd1, const int * /*noel*/, const int * /*npt*/, const int * /*layer*/,           \
-      const int * /*kspt*/, const int * /*kstep*/, const int * /*kinc*/
-#define MYOGROWTH_UMAT_CALL                                                                              \
-  update_state(stress, statev, ddsdde, sse, rpl, ddsddt, drplde, drpldt, *dtime, *ntens, *nstatv, props, \
-               *nprops, pnewdt, dfgrd1)
+      const char * /*cmname*/, const int *ndi, const int *nshr, const int *ntens, const int *nstatv,    \
+      const double *props, const int *nprops, const double * /*coords*/, const double * /*drot*/,       \
+      double *pnewdt, const double * /*celent*/, const double * /*dfgrd0*/, const double *dfgrd1,       \
+      const int * /*noel*/, const int * /*npt*/, const int * /*layer*/, const int * /*kspt*/,           \
+      const int * /*kstep*/, const int * /*kinc*/
+#define MYOGROWTH_UMAT_CALL                                                                           \
+  update_state(stress, statev, ddsdde, sse, rpl, ddsddt, drplde, drpldt, *dtime, *ntens, *ndi, *nshr, \
+               *nstatv, props, *nprops, pnewdt, dfgrd1)
 
 extern "C" {
 /// What Abaqus and its kin call.

@@ -76,9 +76,11 @@ void keep_state(const Block& b) {
   for (int k = 0; k < b.size; ++k) b.ener_inelas[k] = b.ener_inelas_old[k];
 }
 
-// The stress of a point that gave no result: no host can go on with it unawares.
+// Stress and energy of a point that gave no result: NaN, so that no host can continue silently.
 void refuse(const Block& b, int k) {
-  for (int i = 0; i < b.ndir + b.nshr; ++i) b.stress(k, i) = std::numeric_limits<Number>::quiet_NaN();
+  const Number nan = std::numeric_limits<Number>::quiet_NaN();
+  for (int i = 0; i < b.ndir + b.nshr; ++i) b.stress(k, i) = nan;
+  b.ener_intern[k] = nan;
 }
 
 void report(const char* text) {
@@ -121,6 +123,7 @@ bool write(const Block& b, int k, const Result& r) {
   const Number energy = static_cast<Number>(r.psi / (b.density[k] * J_mid));
   bool finite = is_finite(energy);
   for (double s : r.sigma) finite = finite && is_finite(static_cast<Number>(s));
+  for (double s : r.state) finite = finite && is_finite(static_cast<Number>(s));
   if (!finite) return false;
 
   for (int i = 0; i < 6; ++i) b.stress(k, i) = static_cast<Number>(r.sigma[kernel_index(i)]);
@@ -161,7 +164,8 @@ void update_many(const Block& b, const abi::Properties& properties, int start, i
                            unit[3] = {1, 0, 0}, U[9];
     for (int i = 0; i < n_state; ++i) state[i] = i < b.nstatev ? b.state_old(k, i) : 0;
     abi::Text text;
-    faulty[j] = abi::find_state_fault(state, b.nstatev, n0, text);
+    faulty[j] = abi::find_state_fault(state, b.nstatev, properties, text) ||
+                abi::find_fibre_fault(state, b.nstatev, n0, text);
     if (faulty[j] && !reported) report(text);
     reported = reported || faulty[j];
     read_stretch(b, k, U);

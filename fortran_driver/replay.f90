@@ -10,13 +10,13 @@ module replay
   private
   public :: run_replay
 
-  character(len=*), parameter :: known(10) = [character(len=12) :: 'fault:', 'ntens:', 'dtime:', 'pnewdt:', &
-    'dfgrd1:', 'jhat:', 'nprops:', 'props:', 'nstatv:', 'statev:']
+  character(len=*), parameter :: known(12) = [character(len=12) :: 'fault:', 'ntens:', 'dtime:', 'pnewdt:', &
+    'dfgrd1:', 'jhat:', 'nprops:', 'props:', 'nstatv:', 'statev:', 'ndi:', 'nshr:']
   integer, parameter :: most = 1000  ! components and entries
 
   type :: umat_call
     character(len=400) :: fault = ''  ! what the UMAT said when it wrote the file
-    integer :: ntens, nprops, nstatv
+    integer :: ntens, ndi, nshr, nprops, nstatv
     real(dp) :: dtime, pnewdt, F(3, 3)
     real(dp) :: J_hat = 1  ! of a mixed element: STRESS(NTENS+1)
     real(dp), allocatable :: props(:), statev(:)
@@ -31,7 +31,7 @@ contains
     real(dp), allocatable :: stress(:), ddsdde(:, :), ddsddt(:), drplde(:), zero(:)
     real(dp) :: energy(3), rpl, drpldt, pnewdt
     character(len=80) :: cmname
-    integer :: n, nshr, i
+    integer :: n, i
 
     call read_call(file, c)
     n = max(c%ntens, 0)
@@ -39,15 +39,14 @@ contains
     stress(n + 1) = c%J_hat
     allocate (ddsdde(n, n), source=0.0_dp)
     allocate (ddsddt, drplde, zero, source=stress(:n))
-    nshr = merge(3, 1, c%ntens == 6)
     energy = 0
     rpl = 0
     drpldt = 0
     pnewdt = c%pnewdt
     cmname = 'MYOGROWTH'
     call umat(stress, c%statev, ddsdde, energy(1), energy(2), energy(3), rpl, ddsddt, drplde, drpldt, zero, &
-              zero, [0.0_dp, 0.0_dp], c%dtime, 0.0_dp, 0.0_dp, [0.0_dp], [0.0_dp], cmname, c%ntens - nshr, &
-              nshr, c%ntens, c%nstatv, c%props, c%nprops, [0.0_dp, 0.0_dp, 0.0_dp], identity, pnewdt, 1.0_dp, &
+              zero, [0.0_dp, 0.0_dp], c%dtime, 0.0_dp, 0.0_dp, [0.0_dp], [0.0_dp], cmname, c%ndi, &
+              c%nshr, c%ntens, c%nstatv, c%props, c%nprops, [0.0_dp, 0.0_dp, 0.0_dp], identity, pnewdt, 1.0_dp, &
               identity, c%F, 1, 1, 1, 1, [1, 1, 1, 0], 1)
 
     call show('STRESS', stress(:n))
@@ -115,6 +114,10 @@ contains
         if (g%item(i)%name == 'fault') read (g%item(i)%values, *, iostat=status) c%fault
       end do
       c%ntens = whole(g, 'ntens')
+      c%nshr = merge(3, 1, c%ntens == 6)  ! where the file does not say: those of the element family
+      if (any([(g%item(i)%name == 'nshr', i=1, size(g%item))])) c%nshr = whole(g, 'nshr')
+      c%ndi = c%ntens - c%nshr
+      if (any([(g%item(i)%name == 'ndi', i=1, size(g%item))])) c%ndi = whole(g, 'ndi')
       c%nprops = whole(g, 'nprops')
       c%nstatv = whole(g, 'nstatv')
       call read_numbers(g, 'dtime', one)

@@ -330,6 +330,10 @@ TEST_F(CcxBadInputDeathTest, InDepvarAndStatev) {
   c.statev[0] = -1;
   expect_end(c, "STATEV\\(1\\) = -1");
   c = Call();
+  c.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 0, 0, 1};
+  c.statev[2] = -1;
+  expect_end(c, "STATEV\\(3\\) = -1");
+  c = Call();
   c.statev[6] = nan;
   expect_end(c, "STATEV\\(7\\) = -?nan");
 }

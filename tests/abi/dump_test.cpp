@@ -1,10 +1,12 @@
 // The calls that gave no result, in the files that MYOGROWTH_DUMP asks for. How many have been written is
 // remembered by the process, so every test makes its calls in one of its own.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cfloat>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -104,6 +106,8 @@ void expect_same(const std::vector<double>& a, const std::vector<double>& b, con
 
 void expect_call(const std::string& text, const Call& c) {
   expect_same(numbers(text, "ntens"), {double(c.ntens)}, "NTENS");
+  expect_same(numbers(text, "ndi"), {double(c.n_direct())}, "NDI");
+  expect_same(numbers(text, "nshr"), {double(c.n_shear())}, "NSHR");
   expect_same(numbers(text, "nprops"), {double(c.props.size())}, "NPROPS");
   expect_same(numbers(text, "nstatv"), {double(c.statev.size())}, "NSTATV");
   expect_same(numbers(text, "dtime"), {c.dtime}, "DTIME");
@@ -215,7 +219,16 @@ INSTANTIATE_TEST_SUITE_P(
                 "STATEV(1) = -1 on entry: G, the sarcomere number, must be > 0, or 0 where nothing is known "
                 "yet."},
         Failure{"no_statev", [](Call& c) { c.statev.clear(); },
-                "NSTATV = 0: at least 1 is needed, to remember G (*DEPVAR; 9 keeps all)."},
+                "NSTATV = 0: at least 1 is needed, to remember G (9 keeps all)."},
+        Failure{"family",
+                [](Call& c) {
+                  c.ntens = 3;
+                  c.ndi = 3;
+                  c.nshr = 0;
+                },
+                "NTENS = 3, NDI = 3, NSHR = 0: elements of one-dimensional generalised plane strain are not "
+                "supported; NTENS must be 6 (solids), 4 (plane strain, axisymmetric) or 3 (plane stress, "
+                "membranes, shells)."},
         Failure{"ntens", [](Call& c) { c.ntens = 5; }, ntens_text}),
     [](const auto& info) { return std::string(info.param.name); });
 
@@ -279,6 +292,7 @@ TEST_F(Dump, ListsAtMostAThousandEntries) {
   });
   EXPECT_EQ(numbers(text(1), "nstatv"), std::vector<double>{1001});
   EXPECT_EQ(numbers(text(1), "statev").size(), 1000u);
+  EXPECT_NE(text(1).find("the first 1000 of them only"), std::string::npos);
 }
 
 TEST_F(Dump, SaysOnceThatItCannotWrite) {
@@ -305,6 +319,35 @@ TEST_F(Dump, SaysOnceThatItCannotWrite) {
     });
   }
   EXPECT_EQ(files(), 0u);
+}
+
+// As on a full disk: what was begun is not left behind.
+TEST_F(Dump, SaysThatTheDiskIsFull) {
+  in_child(".", [] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit usual, small;
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &usual), 0);
+    small = usual;
+    small.rlim_cur = 300;  // bytes
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+    testing::internal::CaptureStderr();
+    Call c = inverted();
+    c.run();
+    setrlimit(RLIMIT_FSIZE, &usual);
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(said,
+              "myogrowth UMAT: MYOGROWTH_DUMP = .: umat_1.nml cannot be written there: File too large.\n");
+    EXPECT_EQ(c.pnewdt, 0.25);
+  });
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(Dump, TakesALongPath) {
+  std::string name = std::string(200, 'a');
+  for (int i = 0; i < 8; ++i) name += "/" + std::string(200, 'b');
+  fs::create_directories(folder / name);
+  in_child(name.c_str(), [] { inverted().run(); });
+  EXPECT_TRUE(fs::exists(folder / name / "umat_1.nml"));
 }
 
 TEST_F(Dump, ComesBeforeTheMessage) {  // which may end the job

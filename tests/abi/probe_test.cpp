@@ -3,6 +3,7 @@
 // Newton's method on the two strains that are free. Each job runs in a process and a folder of its own, as
 // jobs do.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -354,6 +355,35 @@ TEST(Probe, NotASolid) {
   const Lines lines = verdict(host);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_NE(lines[0].find("the probe needs a solid element"), std::string::npos);
+}
+
+// Where the report cannot be written, that is said, once; the verdict is on standard error all the same.
+TEST(Probe, ReportThatCannotBeWritten) {
+  char folder[] = "/tmp/myogrowth_probe_XXXXXX";
+  ASSERT_TRUE(mkdtemp(folder));
+  const std::string path = folder;
+  ASSERT_EQ(mkdir((path + "/myogrowth_probe.txt").c_str(), 0700), 0);  // the name is taken by a folder
+  const pid_t child = fork();
+  if (child == 0) {
+    if (chdir(folder) != 0 || !std::freopen("stderr", "w", stderr)) _exit(1);
+    Host().run();
+    std::exit(0);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  std::string line;
+  std::size_t told = 0, judged = 0;
+  for (std::ifstream file(path + "/stderr"); std::getline(file, line);) {
+    told += line ==
+            "myogrowth probe: myogrowth_probe.txt cannot be written in the host's folder: Is a directory.";
+    judged += line[0] == '[';
+  }
+  EXPECT_EQ(told, 1u);
+  EXPECT_EQ(judged, 11u);
+  rmdir((path + "/myogrowth_probe.txt").c_str());
+  unlink((path + "/stderr").c_str());
+  rmdir(folder);
 }
 
 TEST(Probe, JobThatEndsEarly) {

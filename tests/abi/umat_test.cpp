@@ -178,6 +178,7 @@ TEST(Umat, AskForASmallerStepWhereNoneCanBeTaken) {
       EXPECT_EQ(d.statev, before);
       EXPECT_TRUE(d.stress.array().isNaN().all());
       EXPECT_TRUE(d.ddsdde.array().isNaN().all());
+      EXPECT_TRUE(std::isnan(d.sse));
     }
   };
   Call c;
@@ -197,6 +198,86 @@ TEST(Umat, AskForASmallerStepWhereNoneCanBeTaken) {
   c.props = {16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0, 1};  // also in a local basis
   c.F(2, 2) = -1;
   expect(c);
+}
+
+// F n0 = 0 where G is shrinking, with a det F that rounding makes positive: the tangent has the weight
+// dG/dlambda/lambda = inf, though the stress is finite.
+TEST(Umat, ACollapsedFibreHasNoResult) {
+  const struct {
+    std::vector<double> n0, F;
+  } cases[] = {{{0, 1, 0}, {0.7, 0.1, 0.1, 0, 0, 0, 0.7, -0.3, 0}},
+               {{0, 0, 1}, {0.1, -0.3, 1.3, 1.3, 1.1, -0.3, 0, 0, 0}},
+               {{0, 1, 0}, {0.1, 0.7, 0.1, 0, 0, 0, 0.7, -0.3, -0.3}},
+               {{0, 1, 1}, {0, 1.1, 2.2, 0, 0.20000000000000007, -0.35, 0, -0.20000000000000007, 0.35}},
+               {{0, 1, 0}, {1, 0, 0, 0, 1e-310, 0, 0, 0, 1}}};
+  for (const auto& k : cases) {
+    for (int ntens : {6, 4, 3}) {
+      Call c;
+      c.ntens = ntens;
+      c.props = {16, 4, 0.5, 2, 1.1, 1.01, k.n0[0], k.n0[1], k.n0[2], 0, 0, 0, 0, 0.5, 2, 0.5, 0.9};
+      c.statev[0] = 1.05;
+      c.F = Eigen::Map<const Eigen::Matrix3d>(k.F.data());
+      const auto before = c.statev;
+      c.run();
+      const int n = ntens == 6 ? 6 : ntens;
+      bool finite = true, nothing = true;
+      for (int i = 0; i < n; ++i) finite = finite && std::isfinite(c.stress[i]);
+      for (int i = 0; i < n * n; ++i) finite = finite && std::isfinite(c.ddsdde(i));
+      for (int i = 0; i < n; ++i) nothing = nothing && std::isnan(c.stress[i]);
+      for (int i = 0; i < n * n; ++i) nothing = nothing && std::isnan(c.ddsdde(i));
+      EXPECT_TRUE(finite || nothing);
+      if (ntens == 6) {
+        EXPECT_TRUE(nothing);
+      }
+      if (finite) continue;
+      EXPECT_EQ(c.pnewdt, 0.25);
+      EXPECT_EQ(c.statev, before);
+    }
+  }
+}
+
+// Every entry is finite, or none and nothing is kept: also where numbers of any size meet, so that products
+// leave the range of double in the middle.
+TEST(Umat, AResultIsFiniteThroughout) {
+  samples::Random r(48);
+  int results = 0, refused = 0;
+  for (int i = 0; i < 40000; ++i) {
+    Call c;
+    const double size = r.log_uniform(1e-100, 1e100);
+    c.props = {r.chance(0.3) ? 0 : r.log_uniform(1e-150, 1e300),
+               r.log_uniform(1e-150, 1e300),
+               0.5,
+               2,
+               1.1,
+               1.01,
+               1,
+               0,
+               0,
+               0,
+               0,
+               0,
+               0,
+               0.5,
+               2,
+               0.5,
+               0.9};
+    c.statev[0] = r.chance(0.5) ? 1.05 : r.log_uniform(1e-150, 1e150);
+    c.F = samples::rotation(r) * size * samples::deformation(r, 0.6);
+    const auto before = c.statev;
+    c.run();
+    const bool finite = c.stress.allFinite() && c.ddsdde.allFinite() && std::isfinite(c.sse);
+    ++(finite ? results : refused);
+    if (finite) {
+      for (double x : c.statev) EXPECT_TRUE(std::isfinite(x));
+      continue;
+    }
+    EXPECT_TRUE(c.stress.array().isNaN().all());
+    EXPECT_TRUE(c.ddsdde.array().isNaN().all());
+    EXPECT_EQ(c.statev, before);
+    EXPECT_EQ(c.pnewdt, 0.25);
+  }
+  EXPECT_GT(results, 1000);
+  EXPECT_GT(refused, 1000);
 }
 
 // Every bad input: one message that names the entry, its value and what is allowed; nothing lost.
@@ -307,12 +388,48 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"nprops", [](Call& c) { c.props.resize(5); }, {"NPROPS = 5", "at least 6"}},
         BadInput{"nprops_0", [](Call& c) { c.props.clear(); }, {"NPROPS = 0", "at least 6"}},
         BadInput{"nstatv", [](Call& c) { c.statev.clear(); }, {"NSTATV = 0", "at least 1"}},
+        BadInput{"trusses",
+                 [](Call& c) { c.ntens = 1, c.ndi = 1, c.nshr = 0; },
+                 {"NTENS = 1, NDI = 1, NSHR = 0", "trusses", "not supported", "6 (solids)"}},
+        BadInput{"beams",
+                 [](Call& c) { c.ntens = 2, c.ndi = 1, c.nshr = 1; },
+                 {"NTENS = 2, NDI = 1, NSHR = 1", "beams", "not supported", "6 (solids)"}},
+        BadInput{"cohesive",
+                 [](Call& c) { c.ntens = 3, c.ndi = 1, c.nshr = 2; },
+                 {"NTENS = 3, NDI = 1, NSHR = 2", "cohesive", "not supported", "6 (solids)"}},
+        BadInput{"axisymmetric_shells",
+                 [](Call& c) { c.ntens = 2, c.ndi = 2, c.nshr = 0; },
+                 {"NTENS = 2, NDI = 2, NSHR = 0", "axisymmetric shells", "not supported", "6 (solids)"}},
+        BadInput{"generalised_plane_strain_1d",
+                 [](Call& c) { c.ntens = 3, c.ndi = 3, c.nshr = 0; },
+                 {"NTENS = 3, NDI = 3, NSHR = 0", "generalised plane strain", "not supported", "6 (solids)"}},
+        BadInput{"ndi_of_plane_stress",
+                 [](Call& c) { c.ntens = 3, c.ndi = 3, c.nshr = 1; },
+                 {"NTENS = 3, NDI = 3, NSHR = 1", "must be 2 and 1"}},
+        BadInput{"ndi_of_plane_strain",
+                 [](Call& c) { c.ntens = 4, c.ndi = 2, c.nshr = 2; },
+                 {"NTENS = 4, NDI = 2, NSHR = 2", "must be 3 and 1"}},
+        BadInput{"ndi_of_solids",
+                 [](Call& c) { c.ndi = 0, c.nshr = 0; },
+                 {"NTENS = 6, NDI = 0, NSHR = 0", "must be 3 and 3"}},
         BadInput{"ntens_5", [](Call& c) { c.ntens = 5; }, {"NTENS = 5", "6 (solids)"}},
         BadInput{"ntens_1", [](Call& c) { c.ntens = 1; }, {"NTENS = 1", "6 (solids)"}},
         BadInput{"ntens_0", [](Call& c) { c.ntens = 0; }, {"NTENS = 0", "6 (solids)"}},
         BadInput{"ntens_negative", [](Call& c) { c.ntens = -1; }, {"NTENS = -1", "6 (solids)"}},
         BadInput{"G_negative", [](Call& c) { c.statev[0] = -1; }, {"STATEV(1) = -1", "G", "> 0"}},
         BadInput{"G_nan", [](Call& c) { c.statev[0] = nan; }, {"STATEV(1) = nan", "G", "> 0"}},
+        BadInput{"lambda_negative",
+                 [](Call& c) {
+                   c.props.push_back(1);  // second order
+                   c.statev[2] = -1.1;
+                 },
+                 {"STATEV(3) = -1.1", "lambda", "> 0"}},
+        BadInput{"lambda_nan_for_advice",
+                 [](Call& c) {
+                   c.props.insert(c.props.end(), {0, 1e-3});
+                   c.statev[2] = nan;
+                 },
+                 {"STATEV(3) = nan", "lambda", "> 0"}},
         BadInput{"fibre_nan", [](Call& c) { c.statev[6] = nan; }, {"STATEV(7) = nan", "fibre", "finite"}}),
     [](const auto& info) { return std::string(info.param.name); });
 

@@ -349,7 +349,8 @@ class Replay(unittest.TestCase):
             run = self.replay(text)
             self.assertIn("verdict: a result\n", run.screen)
             self.assertEqual(self.values(run, "STRESS"), [0]*ntens)
-        for change, words in (("ntens = 5", "NTENS = 5: must be 6"), ("ntens = 0", "NTENS = 0: must be 6")):
+        for change, words in (("ntens = 5", "NTENS = 5: must be 6"), ("ntens = 0", "NTENS = 0: must be 6"),
+                              ("ntens = 3\n ndi = 3\n nshr = 0", "NDI = 3, NSHR = 0: elements of one-dimensional")):
             run = self.replay(self.POINT.replace("ntens = 3", change))
             self.assertEqual(run.status, 0)
             self.assertIn("verdict: refused", run.screen)

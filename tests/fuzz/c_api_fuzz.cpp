@@ -150,7 +150,7 @@ int promised(const Call& c) {
   if (rules::props_are_faulty(c.props)) return MYOGROWTH_BAD_PARAMETER;
   if (rules::has_no_room(c.props, c.state.size())) return MYOGROWTH_BAD_ARGUMENT;
   if (c.props.size() > 9 && c.props[9] != 0 && c.measure != MYOGROWTH_CAUCHY) return MYOGROWTH_BAD_PARAMETER;
-  if (rules::state_is_faulty(c.state)) return MYOGROWTH_BAD_STATE;
+  if (rules::state_is_faulty(c.props, c.state)) return MYOGROWTH_BAD_STATE;
   if (rules::has_no_fibre(c.props, c.state)) return MYOGROWTH_NO_FIBRE;
   if (!std::isfinite(c.dt) || !rules::all_finite(c.F)) return MYOGROWTH_NOT_FINITE;
   return up_to_the_law;

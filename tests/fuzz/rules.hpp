@@ -46,9 +46,11 @@ inline bool props_are_faulty(const Numbers& p, std::ptrdiff_t known = 17) {
 /// Whether a state of n entries has room for what a step begins with.
 inline bool has_no_room(const Numbers& p, std::size_t n) { return n < (is_second_order(p) ? 3 : 1); }
 
-/// s: one entry or more.
-inline bool state_is_faulty(const Numbers& s) {
+/// s: one entry or more. The stretch at the beginning counts where it is used.
+inline bool state_is_faulty(const Numbers& p, const Numbers& s) {
   if (!std::isfinite(s[0]) || s[0] < 0) return true;
+  const bool uses_stretch = is_second_order(p) || (p.size() > 12 && p[12] > 0);
+  if (uses_stretch && s.size() > 2 && !(std::isfinite(s[2]) && s[2] >= 0)) return true;
   return s.size() >= 8 && !(std::isfinite(s[5]) && std::isfinite(s[6]) && std::isfinite(s[7]));
 }
 

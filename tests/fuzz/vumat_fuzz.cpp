@@ -103,7 +103,8 @@ bool is_faulty(const Block& b) {
          rules::props_are_faulty(b.props);
 }
 bool has_faulty_state(const Block& point) {
-  return rules::state_is_faulty(point.state_old) || rules::has_no_fibre(point.props, point.state_old);
+  return rules::state_is_faulty(point.props, point.state_old) ||
+         rules::has_no_fibre(point.props, point.state_old);
 }
 
 /// F of a symmetric stretch in VUMAT's order, 11 22 33 12 23 31.

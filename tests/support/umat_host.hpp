@@ -21,6 +21,7 @@ Umat umat_, myogrowth_umat_;
 namespace host {
 
 constexpr double untouched = -777;
+constexpr int of_family = -1000;  ///< NDI, NSHR: as NTENS has them
 
 /// One call's arguments and what came back. What the UMAT promises not to read is not there to be read.
 struct Call {
@@ -28,7 +29,7 @@ struct Call {
   std::vector<double> statev = std::vector<double>(8, 0.0);
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   double dtime = 0.1, pnewdt = 1;
-  int ntens = 6;
+  int ntens = 6, ndi = of_family, nshr = of_family;
   double J_hat = 1;  // STRESS(NTENS+1) of a mixed element
 
   Eigen::Matrix<double, 6, 1> stress = Eigen::Matrix<double, 6, 1>::Constant(untouched);
@@ -39,8 +40,11 @@ struct Call {
 
   bool is_hybrid() const { return props.size() > 17 && props[17] == 1; }
 
+  int n_shear() const { return nshr != of_family ? nshr : ntens == 6 ? 3 : 1; }
+  int n_direct() const { return ndi != of_family ? ndi : ntens - n_shear(); }
+
   Call& run(Umat* umat = umat_) {
-    const int ndi = 3, nshr = 3, kstep = 1, kinc = 1;
+    const int n_direct = this->n_direct(), n_shear = this->n_shear(), kstep = 1, kinc = 1;
     const int nprops = static_cast<int>(props.size()), nstatv = static_cast<int>(statev.size());
     const double six[6] = {}, time[2] = {}, temp = 0, predef = 0, celent = 1;
     const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
@@ -49,9 +53,9 @@ struct Call {
     double* extra = given + (longer ? ntens : 6);
     if (longer) extra[0] = J_hat, extra[1] = K, extra[2] = dK_dJ;
     umat(longer ? given : stress.data(), statev.data(), ddsdde.data(), &sse, &spd, &scd, &rpl, ddsddt.data(),
-         drplde.data(), &drpldt, six, six, time, &dtime, &temp, &temp, &predef, &predef, nullptr, &ndi, &nshr,
-         &ntens, &nstatv, props.data(), &nprops, nullptr, one.data(), &pnewdt, &celent, one.data(), F.data(),
-         nullptr, nullptr, nullptr, nullptr, &kstep, &kinc);
+         drplde.data(), &drpldt, six, six, time, &dtime, &temp, &temp, &predef, &predef, nullptr, &n_direct,
+         &n_shear, &ntens, &nstatv, props.data(), &nprops, nullptr, one.data(), &pnewdt, &celent, one.data(),
+         F.data(), nullptr, nullptr, nullptr, nullptr, &kstep, &kinc);
     if (longer) {
       for (int i = 0; i < ntens; ++i) stress[i] = given[i];
       J_hat = extra[0], K = extra[1], dK_dJ = extra[2];
