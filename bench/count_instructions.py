@@ -6,13 +6,15 @@ instructions.json belong to one compiler and its flags; for another compiler the
 change that is meant to cost more, keep the new figures with --update.
 """
 import argparse
-import json
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "examples/common"))
+import files  # noqa: E402  shared by all Python programs
 
 SKIP = 77
 GROWTH_ALLOWED = 0.03
@@ -66,7 +68,7 @@ def main():
     if not shutil.which("valgrind"):
         print("skipped: no valgrind")
         sys.exit(SKIP)
-    kept = json.loads(a.figures.read_text()) if a.figures.exists() else {}
+    kept = files.read_json(a.figures) if a.figures.exists() else {}
     key, *variants = subprocess.run([a.driver], capture_output=True, text=True, check=True).stdout.splitlines()
     if key not in kept and not a.update:
         print(f"skipped: no figures for {key!r}, only for {list(kept)}")
@@ -84,7 +86,7 @@ def main():
             grown.append(name)
     if a.update:
         kept[key] = counted
-        a.figures.write_text(json.dumps(kept, indent=2) + "\n")
+        files.write_json(a.figures, kept, indent=2)
     elif grown:
         sys.exit(f"FAILED: more than {100 * GROWTH_ALLOWED:g} % more instructions, or none kept: {'; '.join(grown)}.\n"
                  "If that is meant, keep the new figures: ./run instructions --update")
@@ -92,4 +94,6 @@ def main():
         print("fewer than before: keep the new figures with ./run instructions --update")
 
 
-main()
+if __name__ == "__main__":
+    with files.faults_in_one_line("count_instructions.py"):
+        main()

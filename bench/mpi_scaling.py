@@ -2,11 +2,13 @@
 
 CPU seconds are those of a rank (mean); a busy machine distorts them less than the clock. `loops` alternates the two loops.
 """
-import json
 import pathlib
 import subprocess
 import sys
 import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "examples/common"))
+import files  # noqa: E402  shared by all Python programs
 
 # Layers of the coarsest mesh, refinements. Those of 16 layers have cells of one shape.
 SIZES = {640: (16, 1), 5120: (16, 2), 40960: (16, 3), 10240: (32, 2), 51200: (20, 3)}
@@ -25,7 +27,7 @@ def run(muscle, ranks, elements, entries):
         command = ["mpirun", "-q", "-n", str(ranks), muscle, *(f"{entry}={value}" for entry, value in entries.items())]
         print(f"... {elements} elements, {ranks} ranks, {entries.get('Solver/Assembly', 'compact')}", file=sys.stderr, flush=True)
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        return json.loads(pathlib.Path(folder, "summary.json").read_text())
+        return files.read_json(pathlib.Path(folder, "summary.json"))
 
 
 def row(name, s):
@@ -72,6 +74,8 @@ def weak(muscle):
 
 
 def main():
+    if len(sys.argv) < 2:
+        sys.exit("usage: mpi_scaling.py MUSCLE [PART=loops,krylov,ranks,weak]")
     parts = {"loops": loops, "krylov": krylov, "ranks": ranks, "weak": weak}
     chosen = list(parts)
     for argument in sys.argv[2:]:
@@ -83,4 +87,5 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    with files.faults_in_one_line("mpi_scaling.py"):
+        main()

@@ -6,12 +6,14 @@ the cores to itself. Medians over the repetitions.
 """
 import argparse
 import collections
-import csv
 import json
 import math
 import pathlib
 import statistics
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "examples/common"))
+import files  # noqa: E402  shared by all Python programs
 
 REFERENCE = "umat_"
 BATCH = "batch AVX-512, "
@@ -31,11 +33,23 @@ Timing = collections.namedtuple("Timing", "ns quartiles read written difference"
 
 def read(path):
     """{variant: {case: Timing}}, the copy's ns per element for each number of threads, and the run's context."""
-    data = json.loads(path.read_text())
+    data = files.read_json(path)
+    try:
+        return figures_of(path, data)
+    except (KeyError, TypeError, AttributeError, ValueError, IndexError) as e:
+        if isinstance(e, files.FileError):
+            raise
+        raise files.FileError(f"{path}: is not what `bench` writes: {type(e).__name__} {e}") from None
+
+
+def figures_of(path, data):
     repetitions = collections.defaultdict(list)
     for b in data["benchmarks"]:
         if b.get("error_occurred"):
-            sys.exit(f"{b['name']}: {b['error_message']}")
+            raise files.FileError(f"{path}: {b['name']}: {b['error_message']}")
+        for name in ("cpu_time", "points", "threads") if b["run_type"] == "iteration" else ():
+            if not 0 < b[name] < math.inf:
+                raise files.FileError(f"{path}: {b['name']}: {name} = {b[name]}: expected a finite number > 0")
         if b["run_type"] == "iteration":
             repetitions[b["run_name"]].append(b)
     variants, copy = collections.defaultdict(dict), {}
@@ -50,6 +64,8 @@ def read(path):
         quartiles = (ns[len(ns) // 4], ns[-1 - len(ns) // 4])
         variants[variant][Case(place, threads, growth, float(gamma))] = Timing(
             median, quartiles, runs[0]["bytes_read"], runs[0]["bytes_written"], max(b["difference"] for b in runs))
+    if not variants:
+        raise files.FileError(f"{path}: has no timings: was the benchmark's filter too narrow?")
     return variants, copy, data["context"]
 
 
@@ -141,11 +157,8 @@ def write_results(variants, folder):
             rows.append({"name": name, "gamma": case.gamma, "growth": case.growth, "threads": case.threads,
                          "ns_per_point_median": round(times[case].ns, 2),
                          "ratio_to_umat": round(ratio(variants, variant, case) or 0, 4) or None})
-    (folder / "results.json").write_text(json.dumps(rows, indent=1) + "\n")
-    with open(folder / "results.csv", "w", newline="", encoding="utf-8") as f:
-        writer = csv.DictWriter(f, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
+    files.write_json(folder / "results.json", rows)
+    files.write_csv(folder / "results.csv", rows[0], [row.values() for row in rows])
 
 
 def draw(variants, path):
@@ -177,13 +190,15 @@ def draw(variants, path):
     ax.spines[["top", "right"]].set_visible(False)
     ax.legend(fontsize=8.5, frameon=False, loc="upper right")
     fig.tight_layout()
-    fig.savefig(path)
+    with files.writing(path) as part:
+        fig.savefig(part)
 
 
 def main():
     p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     p.add_argument("timings", type=pathlib.Path, help="what `bench --benchmark_out=FILE` has written")
     path = p.parse_args().timings
+    files.remove(path.parent / name for name in ("results.json", "results.csv", "chart.png"))
     variants, copy, context = read(path)
     print_times(variants)
     print_roofline(variants, copy, context)
@@ -193,4 +208,6 @@ def main():
     print(f"\n{path.parent}/: {path.name}, results.json, results.csv, chart.png")
 
 
-main()
+if __name__ == "__main__":
+    with files.faults_in_one_line("report.py"):
+        main()

@@ -12,6 +12,9 @@ import shutil
 import subprocess
 import sys
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "examples/common"))
+import files  # noqa: E402  shared by all Python programs
+
 SITE = pathlib.Path(__file__).resolve().parent
 ROOT = SITE.parents[1]
 MATHJAX = pathlib.Path("/usr/share/javascript/mathjax")
@@ -74,7 +77,7 @@ def lay_out(source, target, pages):
     place.parent.mkdir(parents=True, exist_ok=True)
     code = re.compile(r"(^```.*?^```|`[^`\n]*`)", re.S | re.M)
     parts = code.split(text)
-    place.write_text("".join(p if i % 2 else LINK.sub(relinked, p) for i, p in enumerate(parts)), encoding="utf-8")
+    files.write_text(place, "".join(p if i % 2 else LINK.sub(relinked, p) for i, p in enumerate(parts)))
 
 
 def doxygen(out):
@@ -86,7 +89,7 @@ def doxygen(out):
         sys.exit(f"{run.stderr}a public symbol needs a comment: what it is, shapes, unit, errors")
     for file in (out / "xml").glob("*.xml"):  # groups without a name are functions like others
         text = file.read_text(encoding="utf-8")
-        file.write_text(text.replace('<sectiondef kind="user-defined">', '<sectiondef kind="func">'), encoding="utf-8")
+        files.write_text(file, text.replace('<sectiondef kind="user-defined">', '<sectiondef kind="func">'))
     return out / "xml"
 
 
@@ -99,14 +102,14 @@ def reference(target, with_python):
     headers.sort(key=lambda name: first.index(name) if name in first else len(first))
     links = "".join(f"- [{name}]({name[:-4]}.md)\n" for name in headers)
     toc = "```{toctree}\n:hidden:\n" + "".join(name[:-4] + "\n" for name in headers) + "```\n"
-    (target / "api/cpp.md").write_text(CXX_INTRODUCTION + links + "\n" + toc)
+    files.write_text(target / "api/cpp.md", CXX_INTRODUCTION + links + "\n" + toc)
     for name in headers:
-        (target / "api" / f"{name[:-4]}.md").write_text(f"# {name}\n\n```{{doxygenfile}} {name}\n```\n")
-    (target / "api/c.md").write_text("# C API\n\n`#include <myogrowth.h>`, `build/abi/libmyogrowth.so`; tables and "
+        files.write_text(target / "api" / f"{name[:-4]}.md", f"# {name}\n\n```{{doxygenfile}} {name}\n```\n")
+    files.write_text(target / "api/c.md", "# C API\n\n`#include <myogrowth.h>`, `build/abi/libmyogrowth.so`; tables and "
                                      "examples: [manual](../docs/manual.md#the-c-api).\n\n"
                                      "```{doxygenfile} myogrowth.h\n```\n")
     if with_python:
-        (target / "api/python.md").write_text("# Python module\n\n```{eval-rst}\n.. automodule:: myogrowth\n"
+        files.write_text(target / "api/python.md", "# Python module\n\n```{eval-rst}\n.. automodule:: myogrowth\n"
                                               "   :members:\n```\n")
 
 
@@ -114,10 +117,10 @@ def finish_theme(static):
     """Debian's furo needs a web server for a style sheet and for modules: browsers do not load modules from files."""
     shutil.copy(NORMALIZE, static / "styles")
     style = static / "styles/furo.css"
-    style.write_text(style.read_text().replace("url(/javascript/normalize.css/normalize.css)", "url(normalize.css)"))
+    files.write_text(style, style.read_text().replace("url(/javascript/normalize.css/normalize.css)", "url(normalize.css)"))
     scripts = static / "scripts"
     whole = (scripts / "gumshoe-patched.js").read_text() + (scripts / "furo.js").read_text()
-    (scripts / "furo.js").write_text(whole.replace('import Gumshoe from "./gumshoe-patched.js";', ""))
+    files.write_text(scripts / "furo.js", whole.replace('import Gumshoe from "./gumshoe-patched.js";', ""))
 
 
 def main():
@@ -126,7 +129,8 @@ def main():
     p.add_argument("--python", type=pathlib.Path)
     a = p.parse_args()
     work = ROOT / "build/docs"
-    stage, html = work / "pages", a.out.resolve()
+    stage, html = work / "pages", files.make_folder(a.out.resolve())
+    files.remove([html / "index.html"])
     shutil.rmtree(stage, ignore_errors=True)
     stage.mkdir(parents=True)
     xml = doxygen(work / "doxygen")
@@ -137,11 +141,9 @@ def main():
     pages = ["README.md"] + [page for _, group in groups for page in group if (ROOT / page).is_file()]
     for page in pages:
         lay_out(page, stage, pages)
-    with (stage / "index.md").open("a", encoding="utf-8") as index:
-        for caption, group in groups:
-            if group:
-                index.write(f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n" + "".join(
-                    f"{page[:-3]}\n" for page in group) + "```\n")
+    trees = [f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n" + "".join(f"{page[:-3]}\n" for page in group) + "```\n"
+             for caption, group in groups if group]
+    files.write_text(stage / "index.md", "".join([files.read_text(stage / "index.md"), *trees]))
 
     static = stage / "_static"
     static.mkdir()
@@ -162,4 +164,6 @@ def main():
     print(html / "index.html")
 
 
-main()
+if __name__ == "__main__":
+    with files.faults_in_one_line("build_site.py"):
+        main()

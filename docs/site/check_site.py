@@ -16,6 +16,9 @@ import time
 import urllib.parse
 import urllib.request
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "examples/common"))
+import files  # noqa: E402  shared by all Python programs
+
 SKIPPED = 77  # ctest's, where there is no Chromium
 
 
@@ -156,4 +159,6 @@ def main():
         sys.exit("\n".join(faults))
 
 
-main()
+if __name__ == "__main__":
+    with files.faults_in_one_line("check_site.py"):
+        main()

@@ -48,7 +48,7 @@ def row(gauss, state, reaction):
 
 
 def write(path, rows):
-    files.write_text(path, "\n".join([",".join(COLUMNS), *(",".join(f"{x:.7g}" for x in r) for r in rows)]) + "\n")
+    files.write_csv(path, COLUMNS, [[f"{x:.7g}" for x in r] for r in rows])
 
 
 def read(path):

@@ -168,8 +168,15 @@ def write_text_or_print(path, text, encoding="utf-8"):
         write_text(path, text, encoding)
 
 
-def write_json(path, value):
-    write_text(path, json.dumps(value, indent=1) + "\n")
+def write_json(path, value, indent=1):
+    write_text(path, json.dumps(value, indent=indent) + "\n")
+
+
+def write_csv(path, columns, rows):
+    with writing(path) as part, open(part, "w", encoding="utf-8", newline="") as f:
+        table = csv.writer(f, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows(rows)
 
 
 def remove(paths):

@@ -156,6 +156,34 @@ class Files(Folder):
             done = self.run_with(body)
             self.assertEqual((done.returncode, done.stdout, done.stderr), (1, "", words))
 
+    def test_programs_say_what_they_cannot_read_or_write(self):
+        timing = self.folder / "benchmark.json"
+        run = {"run_type": "iteration", "run_name": "umat_/cache/active/2/threads:1", "name": "umat_", "family_index": 0, "threads": 1,
+               "cpu_time": 5.0, "points": 1, "bytes_read": 8, "bytes_written": 8, "difference": 0}
+        for name in ("results.json", "chart.png"):
+            (self.folder / name).write_text("older")
+        for text, script, arguments, words in (
+                ("{", "bench/report.py", [timing], f"report.py: {timing}:1: column 2: is damaged or no JSON"),
+                ("{}", "bench/report.py", [timing], f"report.py: {timing}: is not what `bench` writes: KeyError 'benchmarks'"),
+                (json.dumps({"benchmarks": [], "context": {}}), "bench/report.py", [timing], "has no timings"),
+                (json.dumps({"benchmarks": [{**run, "cpu_time": math.nan}]}), "bench/report.py", [timing], "umat_: cpu_time = nan: expected"),
+                (json.dumps({"benchmarks": [{**run, "run_name": "umat_"}]}), "bench/report.py", [timing], "is not what `bench` writes"),
+                ("", "bench/mpi_scaling.py", [], "usage: mpi_scaling.py MUSCLE"),
+                ("", "bench/mpi_scaling.py", ["muscle", "PART=all"], "PART=all: must be PART= and some of loops,krylov,ranks,weak"),
+                ("", "examples/calculix/cylinder_mesh.py", ["tiny", "/dev/full"],
+                 "cylinder_mesh.py: /dev/full: cannot be written: No space left on device"),
+                ("", "examples/calculix/cylinder_mesh.py", ["tiny", timing / "x"], "benchmark.json/x: cannot be written: Not a directory"),
+                ("", "examples/calculix/figures.py", [self.folder], f"figures.py: {self.folder}/case.json: No such file or directory"),
+                ("", "docs/site/build_site.py", [timing], "cannot be made a folder: there is a file of that name"),
+                ("", "tests/docs/check_manual.py", [timing], "usage: check_manual.py"),
+                ("", "tests/docs/verify.py", ["build", "--check", "/nowhere"], "verify.py: /nowhere: No such file or directory")):
+            timing.write_text(text)
+            done = subprocess.run([sys.executable, SOURCE / script, *arguments], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stdout), (1, ""), script)
+            self.assertIn(words, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        self.assertEqual([p.name for p in self.folder.iterdir()], [timing.name])  # nothing of an older run
+
     def test_numbers_of_options(self):
         import argparse
 

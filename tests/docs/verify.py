@@ -14,6 +14,9 @@ import subprocess
 import sys
 from typing import NamedTuple, Optional
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "examples/common"))
+import files  # noqa: E402  shared by all Python programs
+
 SKIPPED = 77
 NUMBER = r"([-+0-9.e]+)"
 
@@ -216,9 +219,11 @@ def main():
     p.add_argument("--log", type=pathlib.Path, nargs="+", default=[])
     a = p.parse_args()
     if a.write:
-        a.write.write_text(report(a.build.resolve(), a.log), encoding="utf-8")
+        files.write_text(a.write, report(a.build.resolve(), a.log))
     else:
         check(a.build.resolve(), a.check)
 
 
-main()
+if __name__ == "__main__":
+    with files.faults_in_one_line("verify.py"):
+        main()

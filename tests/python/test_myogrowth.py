@@ -9,6 +9,7 @@ import pathlib
 import pickle
 import re
 import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -401,6 +402,15 @@ def test_others_may_run_while_the_law_works():
     assert counted > 1 and len(set(history)) == 1
     np.testing.assert_array_equal(result[0].stress[:100], update(MUSCLE, F[:100], 0.1, State(
         G=state.G[:100], n0=state.n0[:100])).stress)
+
+
+def test_the_example_says_what_it_cannot_write(tmp_path):
+    example = pathlib.Path(__file__).parents[2] / "examples/python/six_weeks.py"
+    (tmp_path / "six_weeks.png").write_text("older")
+    for folder, stdout, said in ((tmp_path / "six_weeks.png", subprocess.DEVNULL, "cannot be made a folder: there is a file of that name"),
+                                 (tmp_path, open("/dev/full", "w"), "standard output cannot be written: No space left on device")):
+        done = subprocess.run([sys.executable, example, folder], stdout=stdout, stderr=subprocess.PIPE, text=True)
+        assert done.returncode == 1 and said in done.stderr and done.stderr.count("\n") == 1
 
 
 def test_the_page_that_says_how_to_start(capsys):
