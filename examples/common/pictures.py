@@ -2,9 +2,12 @@
 
     pictures.py fit | protocol | sensitivity PROGRAM [ARGUMENTS OF PROGRAM]
     pictures.py validate PROGRAM FILE.csv ...       every file by the fit program, into out/validation
+
+The status is the program's; 1 if a picture, a table or standard output cannot be written, which is said.
 """
 import io
-import json
+import itertools
+import os
 import pathlib
 import subprocess
 import sys
@@ -31,6 +34,11 @@ SYMBOLS = {"tau": r"$\tau$ [d]", "gamma": r"$\gamma$ [-]", "G_max": r"$G_{max}$ 
 
 def plain(name):
     return SYMBOLS[name].split(" [")[0]
+
+
+def literal(text):
+    """A text in which matplotlib finds no formula."""
+    return text.replace("$", r"\$")
 
 
 def save(fig, path, colours=None):
@@ -60,7 +68,7 @@ def draw_measurements(ax, r, quantity, text="measured, ± sd"):
 
 
 def draw_fit(out):
-    r = json.loads((out / "report.json").read_text())
+    r = files.read_json(out / "report.json")
     quantities = sorted({m["quantity"] for m in r["measurements"]}, reverse=True)
     n = len(quantities)
     fig, axes = plt.subplots(2, n, figsize=(5.6 * n, 5.2), sharex="col", squeeze=False, height_ratios=[2, 1])
@@ -72,7 +80,7 @@ def draw_fit(out):
         for level in (-1.96, 0, 1.96):
             below.axhline(level, color="0.5", lw=0.8, ls=":" if level else "-")
         below.set(xlabel="time [days]", ylabel="(measured − law)/sd")
-    axes[0, 0].set_title(r["title"], loc="left")
+    axes[0, 0].set_title(literal(r["title"]), loc="left")
     fig.tight_layout()
     save(fig, out / "fit.png")
 
@@ -84,7 +92,7 @@ def draw_fit(out):
         ax.plot(p["profile_x"], p["profile"], "o-", ms=2.5, lw=1.2, color=BLUE)
         if p["sd"]:
             curve = [((x - p["estimate"]) / p["sd"])**2 for x in p["profile_x"]]
-            ax.plot(p["profile_x"], curve, "--", lw=1, color="0.5", label="from the curvature alone")
+            ax.plot(p["profile_x"], curve, "--", lw=1, color="0.5", label="from the curvature only")
         ax.axhline(CHI2_95, color=ORANGE, lw=1, ls=":", label="95 %")
         ax.axvline(p["estimate"], color="0.5", lw=0.8, ls=":")
         if max(p["profile_x"]) > 8 * min(p["profile_x"]):
@@ -102,7 +110,7 @@ def draw_fit(out):
 # ---- Validation
 
 def draw_validation(out, folders):
-    reports = [json.loads((folder / "report.json").read_text()) for folder in folders]
+    reports = [files.read_json(folder / "report.json") for folder in folders]
     fig, axes = plt.subplots(-(-len(reports) // 3), 3, figsize=(11.4, 6.2), squeeze=False)
     for ax in axes.flat[len(reports):]:
         ax.set_axis_off()
@@ -112,30 +120,31 @@ def draw_validation(out, folders):
         fitted = ["{} = {:.3g} ({} to {})".format(plain(p["name"]), p["estimate"],
                                                   *(f"{p[end]:.3g}" if p[end] else "open" for end in ("lower", "upper")))
                   for p in r["parameters"]]
-        ax.set_title(r["title"] + "\n" + (", ".join(fitted) or "nothing fitted"), loc="left", fontsize=8.5)
+        ax.set_title(literal(r["title"]) + "\n" + (", ".join(fitted) or "nothing fitted"), loc="left", fontsize=8.5)
+        title = r["title"].replace("|", r"\|")
         for m in r["measurements"]:
             off = 100 * (m["computed"] / m["value"] - 1)
-            rows.append(f"| {r['title']} | {m['day']:g} | {m['quantity']} | {m['value']:.3f} ± {m['sd']:.3f} | "
+            rows.append(f"| {title} | {m['day']:g} | {m['quantity']} | {m['value']:.3f} ± {m['sd']:.3f} | "
                         f"{m['computed']:.3f} | {off:+.2f} % |")
     fig.tight_layout()
     save(fig, out / "validation.png")
     rows += [""] + [f"**{r['title']}**: {w}\n" for r in reports for w in r["warnings"]]
-    (out / "report.md").write_text("\n".join(rows) + "\n![validation](validation.png)\n")
+    files.write_text(out / "report.md", "\n".join(rows) + "\n![validation](validation.png)\n")
     print("\n".join(rows))
 
 
 # ---- Protocols
 
 def draw_protocol(out):
-    r = json.loads((out / "report.json").read_text())
+    r = files.read_json(out / "report.json")
     if "target" in r:
         return draw_design(out, r)
     fig, axes = plt.subplots(2, 2, figsize=(9.6, 6.4))
     panels = [("stretch", r"stretch $\lambda$ [-]"), ("lambda_e", r"elastic stretch $\lambda_e$ [-]"),
               ("G", r"sarcomere number $G$ [-]"), ("force", "force per reference area [kPa]")]
     for ax, (name, label) in zip(axes.flat, panels):
-        for p, colour in zip(r["protocols"], CYCLE * 9):
-            ax.plot(p["run"]["time"], p["run"][name], lw=1.2, color=colour, label=p["title"])
+        for p, colour in zip(r["protocols"], itertools.cycle(CYCLE)):
+            ax.plot(p["run"]["time"], p["run"][name], lw=1.2, color=colour, label=literal(p["title"]))
         ax.set(xlabel="time [days]", ylabel=label)
     for level, text in ((r["injury"], "threshold"), (1 + r["within"], "returned")):
         axes[0, 1].axhline(level, color="0.3", lw=0.9, ls=":")
@@ -167,7 +176,7 @@ def draw_design(out, r):
 # ---- Sensitivity
 
 def draw_sensitivity(out):
-    r = json.loads((out / "report.json").read_text())
+    r = files.read_json(out / "report.json")
     names = r["names"]
     fig, axes = plt.subplots(1, 3, figsize=(11.4, 3.9))
     for k, title in enumerate(("peak", "final")):
@@ -218,27 +227,30 @@ DRAW = {"fit": draw_fit, "protocol": draw_protocol, "sensitivity": draw_sensitiv
 
 def run(kind, command):
     """Runs a program, passes on what it prints, and draws what is in the folder that it names last. Its status."""
-    program = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     folder = None
-    for line in program.stdout:
-        print(line, end="", flush=True)
-        if line.startswith("results in "):
-            folder = pathlib.Path(line[len("results in "):].strip())
-    status = program.wait()
-    if status == 0 and folder:
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as program:
+        for line in program.stdout:
+            sys.stdout.buffer.write(line)
+            sys.stdout.buffer.flush()
+            if line.startswith(b"results in "):
+                folder = pathlib.Path(os.fsdecode(line[len(b"results in "):].rstrip(b"\n")))
+    if program.returncode < 0:
+        raise files.FileError(f"{command[0]} {files.ended(program.returncode)}")
+    if program.returncode == 0 and folder:
         with plt.rc_context(GRID):
             DRAW[kind](folder)
-    return status
+    return program.returncode
 
 
-def main():
-    kind, program, rest = sys.argv[1], sys.argv[2], sys.argv[3:]
-    if kind != "validate":
-        return run(kind, [program, *rest])
+def validate(program, studies):
     out = pathlib.Path("out/validation")
-    folders = [out / pathlib.Path(f).stem for f in rest]
-    for f, folder in zip(rest, folders):
-        status = run("fit", [program, f, "--out", folder])
+    folders = [out / pathlib.Path(study).stem for study in studies]
+    if not studies or len(set(folders)) < len(folders):
+        raise files.FileError("validate: expected files, each of another name")
+    files.make_folder(out)
+    files.remove([out / "report.md", out / "validation.png"])
+    for study, folder in zip(studies, folders):
+        status = run("fit", [program, study, "--out", folder])
         if status:
             return status
     with plt.rc_context(GRID):
@@ -247,5 +259,14 @@ def main():
     return 0
 
 
+def main(arguments):
+    if len(arguments) < 2 or arguments[0] not in (*DRAW, "validate"):
+        raise files.FileError(f"expected these arguments:\n{__doc__}")
+    kind, program, *rest = arguments
+    return validate(program, rest) if kind == "validate" else run(kind, [program, *rest])
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    with files.faults_in_one_line("pictures.py"):
+        status = main(sys.argv[1:])
+    sys.exit(status)

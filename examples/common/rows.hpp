@@ -42,6 +42,31 @@ inline std::string visible(std::string_view text) {
   return seen;
 }
 
+/// Whether a text is UTF-8 and has no control characters but tabs.
+inline bool is_text(std::string_view text) {
+  int following = 0;  // bytes of the character that are yet to come
+  for (char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (following > 0) {
+      if ((byte & 0xc0) != 0x80) return false;
+      --following;
+    } else if (byte >= 0x80) {
+      if (byte < 0xc2 || byte > 0xf4) return false;
+      following = byte < 0xe0 ? 1 : byte < 0xf0 ? 2 : 3;
+    } else if ((byte < ' ' && byte != '\t') || byte == 0x7f) {
+      return false;
+    }
+  }
+  return following == 0;
+}
+
+/// A number in a message.
+inline std::string text_of(double x) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.10g", x);
+  return text;
+}
+
 /// A whole text as a finite decimal number; false if it is none.
 inline bool to_number(std::string_view text, double& x) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
@@ -119,24 +144,25 @@ class Rows {
   }
 
   /// Field i; it has to be there.
-  std::string text(std::size_t i, const std::string& what) const {
-    if (i >= size() || fields_[i].empty()) unexpected(i, what);
-    return std::string(fields_[i]);
+  std::string text(std::size_t i, const std::string& what) const { return std::string(text_view(i, what)); }
+  /// All from field i to the end of the row, a text for people.
+  std::string text_from(std::size_t i, const std::string& what) const {
+    const std::size_t begin = offset(text_view(i, what));
+    const std::string whole = line_.substr(begin, end_of_row() - begin);
+    if (!is_text(whole))
+      fail(i, "expected " + what + " in UTF-8 without control characters, found '" + visible(whole) + "'");
+    return whole;
   }
   /// Field i, a number > above.
   double number(std::size_t i, const std::string& what,
                 double above = -std::numeric_limits<double>::infinity()) const {
-    double x;
-    if (i >= size() || !to_number(fields_[i], x) || !(x > above)) {
-      char bound[40] = "";
-      if (std::isfinite(above)) std::snprintf(bound, sizeof bound, above < 0 ? " >= 0" : " > %.10g", above);
-      unexpected(i, what + ", a number" + bound);
-    }
-    // `ramp, 1,1` would be read as two numbers, without a word.
-    if (blank_after_comma_ && !decimal_comma(i).empty())
-      fail(i, "two numbers or one? write '" + std::string(fields_[i]) + ", " + std::string(fields_[i + 1]) +
-                  "' or '" + std::string(fields_[i]) + "." + std::string(fields_[i + 1]) + "'");
-    return x;
+    return number_if(i, what + ", a number" + (std::isfinite(above) ? " > " + text_of(above) : ""),
+                     [&](double x) { return x > above; });
+  }
+  /// Field i, a number from `least` to `most`.
+  double number(std::size_t i, const std::string& what, double least, double most) const {
+    return number_if(i, what + ", a number from " + text_of(least) + " to " + text_of(most),
+                  [&](double x) { return x >= least && x <= most; });
   }
   /// Field i, a whole number from `least` to `most`.
   std::size_t count(std::size_t i, const std::string& what, std::size_t least, std::size_t most) const {
@@ -154,6 +180,23 @@ class Rows {
   }
 
  private:
+  std::string_view text_view(std::size_t i, const std::string& what) const {
+    if (i >= size() || fields_[i].empty()) unexpected(i, what);
+    return fields_[i];
+  }
+
+  template <class Allowed>
+  double number_if(std::size_t i, const std::string& what, const Allowed& allowed) const {
+    double x;
+    if (i >= size() || !to_number(fields_[i], x) || !allowed(x)) unexpected(i, what);
+    // `ramp, 1,1` would be read as two numbers, without a word.
+    if (blank_after_comma_ && !decimal_comma(i).empty()) {
+      const std::string whole(fields_[i]), part(fields_[i + 1]);
+      fail(i, "two numbers or one? write '" + whole + ", " + part + "' or '" + whole + "." + part + "'");
+    }
+    return x;
+  }
+
   int get() {
     if (start_.empty()) return in_.get();
     const unsigned char c = static_cast<unsigned char>(start_.front());

@@ -1,14 +1,14 @@
 /// @file
 /// What the studies have in common: a study's file, a history of stretch cut into time steps, growth along
-/// it, and what is written.
+/// it, options, and what is written.
 ///
 /// A study is a CSV file of rows that begin with a keyword; `#` begins a comment, blank lines are skipped.
 ///
 ///   title, TEXT
 ///   include, FILE                    the rows of another file, looked for beside this one
 ///   set, NAME, VALUE                 a parameter: c1 c2 tau gamma G_max lambda_crit, and for removal
-///                                    tau_rev gamma_rev G_min lambda_rev [kPa, days]; else the paper's Table
-///                                    1
+///                                    tau_rev gamma_rev G_min lambda_crit_rev [kPa, days], all four; else the
+///                                    paper's Table 1
 ///   fit, NAME, LOWER, UPPER          a parameter to be found between bounds: tau gamma G_max lambda_crit
 ///   rest_length, MM                  length at stretch 1, for `distract` and for schedules
 ///   step, STRETCH                    history: to this stretch at once
@@ -17,29 +17,46 @@
 ///   distract, MM_PER_DAY, DAYS       a constant rate of lengthening
 ///   measure, DAY, QUANTITY, VALUE, SD   lambda_e (relative sarcomere length) or G (relative number)
 ///
-/// The history starts with stretch 1 on day 0 and ends with its last row; the last stretch stays.
+/// The history starts with stretch 1 on day 0 and ends with its last row; the last stretch stays. What is
+/// said twice is an error, but a row may replace one of a file that was included before.
 #ifndef MYOGROWTH_EXAMPLES_STUDY_HPP
 #define MYOGROWTH_EXAMPLES_STUDY_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <map>
 #include <myogrowth/stress_states.hpp>
-#include <sstream>
-#include <stdexcept>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "../../abi/faults.hpp"
+#include "files.hpp"
+#include "rows.hpp"
+
 namespace study {
 
-/// What the user has to put right; the message names place, value and what is allowed.
-struct Error : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+namespace abi = myogrowth::abi;
+
+using common::Error;
+using common::text_of;
+using common::visible;
+
+// ---- Limits: what is beyond them is refused at once, with the limit.
+
+constexpr double least_days = 1e-6, most_days = 1e6;  // of a row, and of a history
+constexpr double least_stretch = 0.01, most_stretch = 100;
+constexpr double least_length = 1e-3, most_length = 1e6;      // [mm]
+constexpr double least_measured = 1e-6, most_measured = 1e3;  // value and standard deviation
+constexpr std::size_t most_rows = 100000, most_includes = 100, most_steps = 1000000;
+
+// ---- What a study is
 
 /// A point of a history [day, -]. Two of the same time are a step.
 struct Knot {
@@ -52,269 +69,279 @@ struct Measurement {
   double value, sd;
 };
 
+/// The parameters that can be fitted: entries first_growth + i of abi/properties.hpp, i < n_growth.
+constexpr int first_growth = 2, n_growth = 4;
+
+/// A parameter to be fitted, and between what.
 struct Bounds {
-  std::string name;
+  std::size_t index;  ///< < n_growth: tau, gamma, G_max, lambda_crit
   double lower, upper;
+  std::string place;  ///< where they are given
+
+  const char* name() const { return abi::property(first_growth + static_cast<int>(index)).symbol; }
+  /// Wide bounds are divided by factors.
+  bool wide() const { return lower > 0 && upper > 10 * lower; }
+  /// From 0 at the lower bound to 1 at the upper one, and back.
+  double part(double x) const {
+    return wide() ? std::log(x / lower) / std::log(upper / lower) : (x - lower) / (upper - lower);
+  }
+  double at(double part) const {
+    return wide() ? lower * std::pow(upper / lower, part) : lower + (upper - lower) * part;
+  }
 };
 
 struct Study {
   std::string name, title;
   myogrowth::FibreGrowth<> muscle;
+  std::map<std::string, std::string> given;  ///< the parameters that are set, by name, and where
   std::vector<Bounds> fitted;
   double rest_length = 0;  ///< [mm]; 0: not known
   std::vector<Knot> knots{{0, 1}};
   std::vector<Measurement> measurements;
+
+  /// Value of a parameter to be fitted, where its fit starts.
+  double start(const Bounds& b) const {
+    const auto& g = muscle.growth;
+    return std::array<double, n_growth>{g.growth_time, g.gamma, g.G_max, g.lambda_crit}[b.index];
+  }
 };
 
-// ---- Parameters by name
+// ---- Parameters: the UMAT's table and checks (abi/properties.hpp)
 
-struct Parameter {
-  const char* name;
-  double& (*of)(myogrowth::FibreGrowth<>&);
-  double above, below;  ///< allowed: above < value < below
-};
-
-inline const std::vector<Parameter>& parameters() {
-  using M = myogrowth::FibreGrowth<>;
-  constexpr double inf = std::numeric_limits<double>::infinity(), tiny = 1e-300;
-  static const std::vector<Parameter> all = {
-      {"c1", [](M& m) -> double& { return m.c1; }, -inf, inf},
-      {"c2", [](M& m) -> double& { return m.c2; }, 0, inf},
-      {"tau", [](M& m) -> double& { return m.growth.growth_time; }, 0, inf},
-      {"gamma", [](M& m) -> double& { return m.growth.gamma; }, -tiny, inf},
-      {"G_max", [](M& m) -> double& { return m.growth.G_max; }, 1, inf},
-      {"lambda_crit", [](M& m) -> double& { return m.growth.lambda_crit; }, 0, inf},
-      {"tau_rev", [](M& m) -> double& { return m.removal.removal_time; }, -tiny, inf},
-      {"gamma_rev", [](M& m) -> double& { return m.removal.gamma; }, -tiny, inf},
-      {"G_min", [](M& m) -> double& { return m.removal.G_min; }, 0, 1},
-      {"lambda_rev", [](M& m) -> double& { return m.removal.lambda_crit; }, 0, inf},
-  };
-  return all;
+/// Entry of the parameter of that name; -1 if there is none.
+inline int find_parameter(const std::string& name) {
+  myogrowth::FibreGrowth<> muscle;
+  const int entry = abi::find_property(name.c_str());
+  return abi::parameter(muscle, entry) ? entry : -1;
 }
 
-inline const Parameter* find_parameter(const std::string& name) {
-  for (const Parameter& p : parameters()) {
-    if (name == p.name) return &p;
+/// "c1, c2, tau, ..."
+inline std::string parameter_names() {
+  std::string names;
+  for (int i = 0; i < abi::n_props; ++i) {
+    if (find_parameter(abi::property(i).symbol) == i)
+      names += (names.empty() ? "" : ", ") + std::string(abi::property(i).symbol);
   }
-  return nullptr;
+  return names;
 }
 
-/// Those that can be fitted, in this order everywhere.
-constexpr const char* growth_names[] = {"tau", "gamma", "G_max", "lambda_crit"};
-constexpr int n_growth = 4;
-inline int growth_index(const std::string& name) {
-  for (int i = 0; i < n_growth; ++i) {
-    if (name == growth_names[i]) return i;
+/// Checks a parameter among the others of a muscle; throws what is wrong, after the place that it comes from.
+inline void check(myogrowth::FibreGrowth<> muscle, const std::string& name, const std::string& place) {
+  const int entry = find_parameter(name);
+  abi::Text text;
+  if (abi::find_value_fault(muscle, entry, *abi::parameter(muscle, entry), text))
+    throw Error(place + ": " + text);
+}
+
+/// Checks the parameters together, once all are known, and at the bounds of those to be fitted.
+inline void check_parameters(const Study& s) {
+  for (const auto& [name, place] : s.given) check(s.muscle, name, place);
+  const double tau_rev = s.muscle.removal.removal_time;
+  for (const char* name : {"gamma_rev", "G_min", "lambda_crit_rev"}) {
+    if (tau_rev > 0 && !s.given.count(name))
+      throw Error(s.given.at("tau_rev") + ": tau_rev = " + text_of(tau_rev) + ": expected " + name +
+                  " to be set too, as all of removal's parameters");
   }
-  return -1;
-}
-
-/// A whole text as a number; false if it is none.
-inline bool to_number(const std::string& text, double& x) {
-  char* end = nullptr;
-  x = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && std::isfinite(x);
-}
-
-inline std::string text_of(double x) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.10g", x);
-  return text;
-}
-
-/// "> 0 and < 1": what a parameter may be.
-inline std::string allowed(const Parameter& p) {
-  std::string text = !std::isfinite(p.above) ? "finite" : p.above < 0 ? ">= 0" : "> " + text_of(p.above);
-  if (std::isfinite(p.below)) text += " and < " + text_of(p.below);
-  return text;
+  for (const Bounds& b : s.fitted) {
+    for (double x : {b.lower, b.upper}) {
+      myogrowth::FibreGrowth<> muscle = s.muscle;
+      *abi::parameter(muscle, find_parameter(b.name())) = x;
+      check(muscle, b.name(), b.place);
+      if (tau_rev > 0) check(muscle, "lambda_crit_rev", b.place + ": with " + b.name() + " = " + text_of(x));
+    }
+    const double start = s.start(b);
+    if (s.given.count(b.name()) && !(b.lower <= start && start <= b.upper))
+      throw Error(s.given.at(b.name()) + ": " + b.name() + " = " + text_of(start) +
+                  ": expected a start within the bounds of its fit, " + text_of(b.lower) + " to " +
+                  text_of(b.upper));
+  }
 }
 
 // ---- Reading
 
 class Reader {
  public:
+  /// Reads a file; its parameters are yet to be checked.
   static Study read(const std::string& path) {
     Study study;
     study.name = std::filesystem::path(path).stem().string();
-    Reader(study).file(path, 0);
-    if (study.title.empty()) study.title = study.name;
-    check_removal(study.muscle, path);
+    Reader reader(study);
+    common::Rows rows(path, common::Separator::comma);
+    reader.file(rows);
+    if (reader.n_rows_ == 0) throw Error(path + ": has no rows");
+    if (study.title.empty()) study.title = visible(study.name);
     return study;
   }
 
-  static void check_removal(const myogrowth::FibreGrowth<>& m, const std::string& where) {
-    if (m.removal.removal_time > 0 && m.removal.lambda_crit > m.growth.lambda_crit)
-      throw Error(where + ": lambda_rev = " + text_of(m.removal.lambda_crit) +
-                  ": expected at most lambda_crit = " + text_of(m.growth.lambda_crit));
-  }
-
  private:
-  struct Field {
-    std::string text;
-    std::size_t column;  // of its first character, from 1
-  };
+  using Rows = common::Rows;
 
   explicit Reader(Study& study) : study_(study) {}
 
-  void file(const std::string& path, int depth) {
-    std::ifstream in(path);
-    if (!in || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read");
-    std::string line;
-    for (int number = 1; std::getline(in, line); ++number) {
-      path_ = path;
-      line_ = number;
-      split(line);
-      if (!fields_.empty()) row(depth);
+  void file(Rows& rows) {
+    chain_.push_back(rows.path());
+    while (rows.next()) {
+      if (++n_rows_ > most_rows)
+        rows.fail(0, "more than " + std::to_string(most_rows) + " rows, with those of included files");
+      row(rows);
     }
+    chain_.pop_back();
   }
 
-  void split(std::string line) {
-    fields_.clear();
-    line = line.substr(0, line.find('#'));
-    const char* blank = " \t\r";
-    if (line.find_first_not_of(blank) == std::string::npos) return;
-    for (std::size_t from = 0; from <= line.size();) {
-      const std::size_t comma = std::min(line.find(',', from), line.size());
-      const std::size_t begin = std::min(line.find_first_not_of(blank, from), comma);
-      const std::size_t end = begin < comma ? line.find_last_not_of(blank, comma - 1) + 1 : begin;
-      fields_.push_back({line.substr(begin, end - begin), begin + 1});
-      from = comma + 1;
+  void include(const Rows& rows) {
+    const auto path = std::filesystem::path(rows.path()).parent_path() / rows.text(1, "the name of a file");
+    rows.ends_after(2);
+    std::string chain;
+    bool circle = false;
+    for (const std::string& above : chain_) {
+      std::error_code none;
+      circle = circle || std::filesystem::equivalent(above, path, none);
+      chain += above + " -> ";
     }
+    const auto refuse = [&](const std::string& why) {
+      rows.fail(1, "expected the name of a file that can be read, found '" + visible(rows.text(1, "")) +
+                       "': " + why);
+    };
+    if (circle) refuse("a circle, " + chain + path.string());
+    if (chain_.size() > most_includes)
+      refuse("more than " + std::to_string(most_includes) + " files, each included by the one before");
+    std::optional<Rows> other;
+    try {
+      other.emplace(path.string(), common::Separator::comma);
+    } catch (const Error& e) {
+      refuse(e.what());
+    }
+    file(*other);
   }
 
-  [[noreturn]] void fail(std::size_t column, const std::string& words) const {
-    throw Error(path_ + ":" + std::to_string(line_) + ":" + std::to_string(column) + ": " + words);
-  }
-  /// Field i of the row, of which `what` is expected.
-  const Field& field(std::size_t i, const std::string& what) const {
-    if (i < fields_.size() && !fields_[i].text.empty()) return fields_[i];
-    const Field& last = fields_.back();
-    fail(i < fields_.size() ? fields_[i].column : last.column + last.text.size(),
-         "expected " + what + ", found nothing");
-  }
-  [[noreturn]] void unexpected(const Field& f, const std::string& what) const {
-    fail(f.column, "expected " + what + ", found '" + f.text + "'");
-  }
-  double number(std::size_t i, const std::string& what, double above) const {
-    const std::string wanted =
-        what + ", a number" + (std::isfinite(above) ? (above < 0 ? " >= 0" : " > " + text_of(above)) : "");
-    const Field& f = field(i, wanted);
-    double x;
-    if (!to_number(f.text, x) || !(x > above)) unexpected(f, wanted);
-    return x;
-  }
-  void ends_after(std::size_t n) const {
-    if (fields_.size() > n)
-      fail(fields_[n].column, "expected the end of the row, found '" + fields_[n].text + "'");
+  /// Fails if the same has been said before, other than in a file that this one has included, which it may
+  /// replace.
+  void once(const Rows& rows, const std::string& what, bool may_replace = true) {
+    const auto [before, first] = said_.insert({what, {rows.place(0), chain_.size()}});
+    if (first) return;
+    if (!may_replace || before->second.second <= chain_.size())
+      rows.fail(0, what + " is said before, in " + before->second.first);
+    before->second = {rows.place(0), chain_.size()};
   }
 
-  void add(double stretch, double days) {
+  void add(const Rows& rows, std::size_t stretch_field, double stretch, double days) {
     const Knot last = study_.knots.back();
+    if (!(stretch >= least_stretch && stretch <= most_stretch))
+      rows.fail(stretch_field, "leads to stretch " + text_of(stretch) + ": expected " +
+                                   text_of(least_stretch) + " to " + text_of(most_stretch));
+    if (last.time + days > most_days)
+      rows.fail(rows.size() - 1,
+                "leads to day " + text_of(last.time + days) + ": expected at most " + text_of(most_days));
     study_.knots.push_back({last.time + days, stretch});
   }
 
-  void row(int depth) {
-    constexpr double any = -std::numeric_limits<double>::infinity(), not_negative = -1e-300;
-    const std::string key = fields_[0].text;
+  void row(const Rows& rows) {
+    const auto within = [&](std::size_t i, const std::string& what, double least, double most) {
+      const double x = rows.number(i, what, 0);
+      if (!(least <= x && x <= most))
+        rows.unexpected(i, what + " from " + text_of(least) + " to " + text_of(most));
+      return x;
+    };
+    const auto days = [&](std::size_t i) { return within(i, "a time in days", least_days, most_days); };
+    const auto stretch = [&] { return within(1, "a stretch", least_stretch, most_stretch); };
+    const std::string key = rows.text(0, "a keyword");
     if (key == "title") {
-      study_.title = field(1, "a text").text;
-      for (std::size_t i = 2; i < fields_.size(); ++i) study_.title += ", " + fields_[i].text;
+      once(rows, "the title");
+      study_.title = rows.text_from(1, "a text");
     } else if (key == "include") {
-      const Field name = field(1, "the name of a file");
-      ends_after(2);
-      const auto other = std::filesystem::path(path_).parent_path() / name.text;
-      if (depth > 4 || !std::ifstream(other))
-        unexpected(name, "the name of a file that can be read (and not in a circle)");
-      const std::string here = path_;
-      file(other.string(), depth + 1);
-      path_ = here;
+      include(rows);
     } else if (key == "set") {
-      const Field& name = field(1, "the name of a parameter");
-      const Parameter* p = find_parameter(name.text);
-      if (!p)
-        unexpected(
-            name,
-            "a parameter: c1, c2, tau, gamma, G_max, lambda_crit, tau_rev, gamma_rev, G_min or lambda_rev");
-      const double x = number(2, "a value", any);
-      if (!(x > p->above && x < p->below)) unexpected(fields_[2], name.text + " " + allowed(*p));
-      ends_after(3);
-      p->of(study_.muscle) = x;
+      const std::string name = rows.text(1, "the name of a parameter");
+      const int entry = find_parameter(name);
+      if (entry < 0) rows.unexpected(1, "a parameter: " + parameter_names());
+      *abi::parameter(study_.muscle, entry) = rows.number(2, "a value");
+      rows.ends_after(3);
+      once(rows, "set, " + name);
+      study_.given[name] = rows.place(2);
     } else if (key == "fit") {
-      const Field& name = field(1, "the name of a parameter");
-      if (growth_index(name.text) < 0) unexpected(name, "tau, gamma, G_max or lambda_crit");
-      const Parameter& p = *find_parameter(name.text);
-      const double lower = number(2, "a lower bound", p.above), upper = number(3, "an upper bound", lower);
-      ends_after(4);
-      auto same = [&](const Bounds& b) { return b.name == name.text; };
+      const int index = find_parameter(rows.text(1, "the name of a parameter")) - first_growth;
+      if (index < 0 || index >= n_growth) rows.unexpected(1, "tau, gamma, G_max or lambda_crit");
+      const double lower = rows.number(2, "a lower bound"), upper = rows.number(3, "an upper bound", lower);
+      rows.ends_after(4);
+      const Bounds bounds{static_cast<std::size_t>(index), lower, upper, rows.place(0)};
+      once(rows, std::string("fit, ") + bounds.name());
+      auto same = [&](const Bounds& b) { return b.index == bounds.index; };
       study_.fitted.erase(std::remove_if(study_.fitted.begin(), study_.fitted.end(), same),
                           study_.fitted.end());
-      study_.fitted.push_back({name.text, lower, upper});
+      study_.fitted.push_back(bounds);
     } else if (key == "rest_length") {
-      study_.rest_length = number(1, "a length in mm", 0);
-      ends_after(2);
+      study_.rest_length = within(1, "a length in mm", least_length, most_length);
+      rows.ends_after(2);
+      once(rows, "rest_length");
     } else if (key == "step") {
-      add(number(1, "a stretch", 0), 0);
-      ends_after(2);
+      add(rows, 1, stretch(), 0);
+      rows.ends_after(2);
     } else if (key == "ramp") {
-      add(number(1, "a stretch", 0), number(2, "a time in days", 0));
-      ends_after(3);
+      add(rows, 1, stretch(), days(2));
+      rows.ends_after(3);
     } else if (key == "hold") {
-      add(study_.knots.back().stretch, number(1, "a time in days", 0));
-      ends_after(2);
+      add(rows, 1, study_.knots.back().stretch, days(1));
+      rows.ends_after(2);
     } else if (key == "distract") {
-      if (!(study_.rest_length > 0))
-        fail(fields_[0].column, "expected a row 'rest_length, MM' before 'distract'");
-      const double rate = number(1, "a rate in mm/day", any), days = number(2, "a time in days", 0);
-      const double stretch = study_.knots.back().stretch + rate * days / study_.rest_length;
-      if (!(stretch > 0)) unexpected(fields_[1], "a rate that leaves the length > 0");
-      ends_after(3);
-      add(stretch, days);
+      if (!(study_.rest_length > 0)) rows.fail(0, "expected a row 'rest_length, MM' before 'distract'");
+      const double rate = rows.number(1, "a rate in mm/day"), time = days(2);
+      rows.ends_after(3);
+      add(rows, 1, study_.knots.back().stretch + rate * time / study_.rest_length, time);
     } else if (key == "measure") {
       Measurement m;
-      m.time = number(1, "a time in days", not_negative);
-      const Field& quantity = field(2, "lambda_e or G");
-      if (quantity.text != "lambda_e" && quantity.text != "G") unexpected(quantity, "lambda_e or G");
-      m.of_G = quantity.text == "G";
-      m.value = number(3, "a value", 0);
-      m.sd = number(4, "a standard deviation", 0);
-      ends_after(5);
+      m.time = rows.number(1, "a time in days", 0, most_days);
+      const std::string quantity = rows.text(2, "lambda_e or G");
+      if (quantity != "lambda_e" && quantity != "G") rows.unexpected(2, "lambda_e or G");
+      m.of_G = quantity == "G";
+      m.value = within(3, "a value", least_measured, most_measured);
+      m.sd = within(4, "a standard deviation", least_measured, most_measured);
+      rows.ends_after(5);
+      once(rows, "the measurement of " + quantity + " = " + text_of(m.value) + " on day " + text_of(m.time),
+           false);
       study_.measurements.push_back(m);
     } else {
-      unexpected(fields_[0], "title, include, set, fit, rest_length, step, ramp, hold, distract or measure");
+      rows.unexpected(0, "title, include, set, fit, rest_length, step, ramp, hold, distract or measure");
     }
   }
 
   Study& study_;
-  std::string path_;
-  int line_ = 0;
-  std::vector<Field> fields_;
+  std::vector<std::string> chain_;  // the files that are open, each included by the one before
+  std::size_t n_rows_ = 0;
+  std::map<std::string, std::pair<std::string, std::size_t>> said_;  // where, and how deep
 };
 
 // ---- Histories
 
 /// The history with time steps between its knots, ending at the last knot or stop. After every knot the steps
 /// begin with `first` [day] and lengthen by `ratio` of the time since; none takes more than 0.002 of stretch.
-inline std::vector<Knot> cut(std::vector<Knot> knots, std::vector<double> stops, double first, double ratio) {
+inline std::vector<Knot> cut(std::vector<Knot> knots, std::vector<double> stops, double first, double ratio,
+                             const std::string& name) {
   std::sort(stops.begin(), stops.end());
   if (!stops.empty() && stops.back() > knots.back().time)
     knots.push_back({stops.back(), knots.back().stretch});
   std::vector<Knot> all{knots[0]};
+  const auto push = [&](const Knot& next) {
+    if (all.size() > most_steps)
+      throw Error(name + ": the history takes more than " + std::to_string(most_steps) +
+                  " time steps, by day " + text_of(next.time) +
+                  ": expected fewer rows, or less change of stretch");
+    all.push_back(next);
+  };
   for (std::size_t k = 1; k < knots.size(); ++k) {
     const Knot a = knots[k - 1], b = knots[k];
     const double length = b.time - a.time, change = std::abs(b.stretch - a.stretch);
     if (!(length > 0)) {
-      all.push_back(b);
+      push(b);
       continue;
     }
     const double most = change > 0 ? 0.002 * length / change : length;
     for (double t = a.time; t < b.time;) {
       double next = t + std::min(first + ratio * (t - a.time), most);
+      if (next > b.time - 1e-9 * length) next = b.time;
       const auto stop = std::upper_bound(stops.begin(), stops.end(), t);
       if (stop != stops.end() && *stop < next) next = *stop;
-      if (next > b.time - 1e-9 * length) next = b.time;
       t = next;
-      all.push_back(
-          {t, t == b.time ? b.stretch : a.stretch + (b.stretch - a.stretch) * (t - a.time) / length});
+      push({t, t == b.time ? b.stretch : a.stretch + (b.stretch - a.stretch) * (t - a.time) / length});
     }
   }
   return all;
@@ -373,37 +400,40 @@ inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const std::vecto
 
 class Options {
  public:
-  /// names: the options there are; all but --help take a value.
-  Options(int argc, char** argv, const char* help, const std::vector<std::string>& names) {
+  /// names: the options there are; all but --help take a value. repeated: those that may be given more than
+  /// once.
+  Options(int argc, char** argv, const char* help, const std::vector<std::string>& names,
+          const std::vector<std::string>& repeated) {
     for (int i = 1; i < argc; ++i) {
       const std::string word = argv[i];
       if (word == "--help" || word == "-h") {
-        std::fputs(help, stdout);
+        common::print(help);
         std::exit(0);
       }
-      if (word.rfind("--", 0) != 0) {
+      if (word.rfind('-', 0) != 0) {
         files.push_back(word);
         continue;
       }
-      const std::string name = word.substr(2);
-      if (std::find(names.begin(), names.end(), name) == names.end())
-        throw Error("no option '" + word + "' (--help lists them)");
-      if (i + 1 == argc) throw Error(word + ": expected a value after it");
-      given_.push_back({name, argv[++i]});
+      const auto is_in = [&](const std::vector<std::string>& some) {
+        return word.rfind("--", 0) == 0 && std::find(some.begin(), some.end(), word.substr(2)) != some.end();
+      };
+      if (!is_in(names) && !is_in(repeated))
+        throw Error("no option '" + visible(word) + "' (--help lists them)");
+      const std::string value = i + 1 < argc ? argv[i + 1] : "";
+      if (value.empty() || value.rfind("--", 0) == 0) throw Error(word + ": expected a value after it");
+      if (has(word.substr(2)) && !is_in(repeated)) throw Error(word + ": expected only once");
+      given_.push_back({word.substr(2), value});
+      ++i;
     }
   }
 
   std::vector<std::string> files;
 
-  bool has(const std::string& name) const { return !text(name, "").empty(); }
+  bool has(const std::string& name) const { return !all(name).empty(); }
   std::string text(const std::string& name, const std::string& otherwise) const {
-    std::string found = otherwise;
-    for (const auto& option : given_) {
-      if (option.first == name) found = option.second;
-    }
-    return found;
+    return has(name) ? all(name)[0] : otherwise;
   }
-  /// All values of an option that may come more than once.
+  /// All values of an option that may be given more than once.
   std::vector<std::string> all(const std::string& name) const {
     std::vector<std::string> values;
     for (const auto& option : given_) {
@@ -412,45 +442,81 @@ class Options {
     return values;
   }
   double number(const std::string& name, double otherwise, double above) const {
-    if (!has(name)) return otherwise;
-    double x;
-    if (!to_number(text(name, ""), x) || !(x > above))
-      throw Error("--" + name + " = " + text(name, "") + ": expected a number > " + text_of(above));
-    return x;
+    return number_if(name, otherwise, "a number > " + text_of(above), [&](double x) { return x > above; });
   }
-  long count(const std::string& name, long otherwise, long least) const {
-    const double x = number(name, static_cast<double>(otherwise), static_cast<double>(least) - 0.5);
-    if (x != std::floor(x)) throw Error("--" + name + " = " + text(name, "") + ": expected a whole number");
-    return static_cast<long>(x);
+  double number(const std::string& name, double otherwise, double least, double most) const {
+    return number_if(name, otherwise, "a number from " + text_of(least) + " to " + text_of(most),
+                     [&](double x) { return x >= least && x <= most; });
   }
-  /// --set NAME=VALUE, all of them, on a muscle.
-  void set(myogrowth::FibreGrowth<>& muscle) const {
+  long count(const std::string& name, long otherwise, long least, long most) const {
+    return static_cast<long>(number_if(
+        name, static_cast<double>(otherwise),
+        "a whole number from " + std::to_string(least) + " to " + std::to_string(most), [&](double x) {
+          return x == std::floor(x) && x >= static_cast<double>(least) && x <= static_cast<double>(most);
+        }));
+  }
+  /// --set NAME=VALUE, all of them, on a study.
+  void set(Study& study) const {
+    std::set<std::string> done;
     for (const std::string& option : all("set")) {
+      const std::string place = "--set " + visible(option);
       const std::size_t equals = option.find('=');
-      const Parameter* p = find_parameter(option.substr(0, equals));
+      const std::string name = option.substr(0, equals);
+      const int entry = find_parameter(name);
       double x;
-      if (!p || equals == std::string::npos || !to_number(option.substr(equals + 1), x))
-        throw Error("--set " + option + ": expected NAME=VALUE, the name of a parameter (--help lists them)");
-      if (!(x > p->above && x < p->below))
-        throw Error("--set " + option + ": expected " + p->name + " " + allowed(*p));
-      p->of(muscle) = x;
+      if (entry < 0 || equals == option.npos)
+        throw Error(place + ": expected NAME=VALUE, NAME one of " + parameter_names());
+      const std::string value = option.substr(equals + 1);
+      if (!common::to_number(value, x))
+        throw Error(place + ": expected a number, found '" + visible(value) + "'" + common::hint(value));
+      if (!done.insert(name).second) throw Error(place + ": expected only once");
+      *abi::parameter(study.muscle, entry) = x;
+      study.given[name] = place;
     }
-    Reader::check_removal(muscle, "--set");
   }
 
  private:
+  template <class Allowed>
+  double number_if(const std::string& name, double otherwise, const std::string& what,
+                   const Allowed& allowed) const {
+    double x;
+    if (!has(name)) return otherwise;
+    const std::string value = text(name, "");
+    if (!common::to_number(value, x) || !allowed(x))
+      throw Error("--" + name + " = " + visible(value) + ": expected " + what + common::hint(value));
+    return x;
+  }
+
   std::vector<std::pair<std::string, std::string>> given_;
 };
 
+/// A study from a file, with what the options set, checked.
+inline Study read(const std::string& path, const Options& options) {
+  Study study = Reader::read(path);
+  options.set(study);
+  check_parameters(study);
+  return study;
+}
+
 // ---- Results
+
+/// printf into a text.
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  const int length = std::snprintf(nullptr, 0, pattern, values...);
+  std::string text(static_cast<std::size_t>(length) + 1, '\0');
+  std::snprintf(text.data(), text.size(), pattern, values...);
+  text.pop_back();
+  return text;
+}
 
 /// JSON, as texts.
 inline std::string json(double x) { return std::isfinite(x) ? text_of(x) : "null"; }
 inline std::string json(const std::string& text) {
   std::string quoted = "\"";
-  for (char c : text) {
+  for (char c : common::is_text(text) ? text : visible(text)) {
     if (c == '"' || c == '\\') quoted += '\\';
-    if (static_cast<unsigned char>(c) >= ' ') quoted += c;
+    quoted += c == '\t' ? ' ' : c;
   }
   return quoted + "\"";
 }
@@ -475,29 +541,49 @@ inline std::string json_object(const std::vector<std::pair<std::string, std::str
   return text + "}";
 }
 
-inline void write_file(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream out(path);
-  out << text;
-  if (!out.flush()) throw Error(path.string() + ": cannot be written");
+/// A text as a cell of a table in Markdown.
+inline std::string cell(const std::string& text) {
+  std::string escaped;
+  for (char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+  return escaped;
 }
 
-/// printf into a text.
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[2000];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
+/// The folder of a run's results. It is made and tried before the first step, and what a run before has left
+/// of the files that this program writes is removed: whatever is there later is of this run.
+class Folder {
+ public:
+  Folder(const std::string& path, const std::vector<const char*>& names) : path_(path) {
+    if (!common::is_text(path))
+      throw Error("--out " + visible(path) + ": expected a name without control characters");
+    common::make_folder(path);
+    for (const char* name : names) {
+      std::error_code error;
+      std::filesystem::remove(path_ / name, error);
+      if (error) throw Error((path_ / name).string() + ": cannot be removed: " + error.message());
+    }
+  }
+
+  std::string path(const std::string& name) const { return (path_ / name).string(); }
+  void write(const std::string& name, const std::string& text) const { common::write_file(path(name), text); }
+  /// The last line of what a run prints; pictures.py looks for it.
+  std::string last_line() const { return "\nresults in " + path_.string() + "\n"; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 /// Runs a program's body; an Error becomes one line and status 2.
 template <class Body>
 int run(const Body& body) {
   try {
+    common::Output::standard();  // closed before the first file is opened?
     return body();
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "error: there is not enough memory\n");
   } catch (const std::exception& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
-    return 2;
   }
+  return 2;
 }
 
 }  // namespace study

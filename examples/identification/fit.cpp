@@ -25,7 +25,7 @@ Fits parameters of the growth law to measurements under a given history of stret
 parameters to fit between which bounds (rows: examples/common/study.hpp; examples/identification has some).
 Without a `fit` row nothing is fitted: the prediction is compared with the measurements.
 
-  --set NAME=VALUE   a parameter (start of its fit): c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_rev
+  --set NAME=VALUE   a parameter (start of its fit): c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_crit_rev
   --robust SD        beyond SD standard deviations a residual counts linearly (Huber); default: squares alone
   --starts N         fits from N starts, the first from the values set, the others at random; default 8
   --coverage RUNS    the other way round: takes the values set as true, makes up measurements at the days and with
@@ -36,6 +36,7 @@ Without a `fit` row nothing is fitted: the prediction is compared with the measu
 
 constexpr double chi2_95 = 3.841458820694124;  // of one degree of freedom
 constexpr double z_95 = 1.959963984540054;
+constexpr long most_seed = 4294967295;
 
 /// tau, gamma, G_max, lambda_crit
 using Values = std::array<double, n_growth>;
@@ -110,7 +111,7 @@ struct Problem {
       if (!free[p]) ceres.SetParameterBlockConstant(&values[p]);
     }
     for (const study::Bounds& b : question.data.fitted) {
-      double* x = &values[static_cast<std::size_t>(study::growth_index(b.name))];
+      double* x = &values[b.index];
       *x = std::min(std::max(*x, b.lower), b.upper);
       if (ceres.IsParameterBlockConstant(x)) continue;
       ceres.SetParameterLowerBound(x, 0, b.lower);
@@ -123,6 +124,13 @@ struct Fit {
   Values values;
   double chi2;  // sum of squared residuals, or what Huber's loss makes of it
 };
+
+std::string text_of(const Values& values) {
+  std::string text;
+  for (std::size_t i = 0; i < n_growth; ++i)
+    text += (i > 0 ? ", " : "") + format("%s = %.10g", study::Bounds{i, 0, 1, ""}.name(), values[i]);
+  return text;
+}
 
 Fit minimise(const Question& question, const Values& start, const Free& free) {
   Problem problem(question, start, free);
@@ -138,7 +146,8 @@ Fit minimise(const Question& question, const Values& start, const Free& free) {
     if (!summary.IsSolutionUsable()) throw study::Error("no fit: " + summary.message);
   }
   double cost;
-  problem.ceres.Evaluate({}, &cost, nullptr, nullptr, nullptr);
+  if (!problem.ceres.Evaluate({}, &cost, nullptr, nullptr, nullptr) || !std::isfinite(cost))
+    throw study::Error("no result for " + text_of(problem.values));
   return {problem.values, 2 * cost};
 }
 
@@ -152,10 +161,7 @@ std::vector<Fit> fits_from_starts(const Question& question, const Values& first,
     if (said) std::fprintf(stderr, "\r  start %ld of %ld", s + 1, starts);
     Values start = first;
     for (const study::Bounds& b : question.data.fitted) {
-      const bool wide = b.lower > 0 && b.upper > 10 * b.lower;
-      start[static_cast<std::size_t>(study::growth_index(b.name))] =
-          wide ? b.lower * std::pow(b.upper / b.lower, unit(random))
-               : b.lower + (b.upper - b.lower) * unit(random);
+      start[b.index] = b.at(unit(random));
     }
     fits.push_back(minimise(question, start, free));
   }
@@ -169,8 +175,7 @@ Eigen::MatrixXd jacobian(const Question& question, const Values& values, const F
   Problem problem(question, values, free);
   ceres::Problem::EvaluateOptions options;
   for (const study::Bounds& b : question.data.fitted)
-    options.parameter_blocks.push_back(
-        &problem.values[static_cast<std::size_t>(study::growth_index(b.name))]);
+    options.parameter_blocks.push_back(&problem.values[b.index]);
   ceres::CRSMatrix sparse;
   problem.ceres.Evaluate(options, nullptr, nullptr, nullptr, &sparse);
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
@@ -206,7 +211,7 @@ struct Covariance {
     if (!exists) {
       for (Eigen::Index i = 0; i < n; ++i) {
         if (std::abs(svd.matrixV()(i, n - 1)) > 1e-3)
-          undetermined.push_back(fitted[static_cast<std::size_t>(i)].name);
+          undetermined.push_back(fitted[static_cast<std::size_t>(i)].name());
       }
       return;
     }
@@ -262,7 +267,7 @@ double end_of_interval(const Fit& best, const std::vector<Fit>& side, std::size_
 /// sd: by curvature, for where to look first.
 Profile profile(const Question& question, const Fit& best, const Free& free, const study::Bounds& bounds,
                 double sd) {
-  const auto p = static_cast<std::size_t>(study::growth_index(bounds.name));
+  const auto p = bounds.index;
   const double x0 = best.values[p], reach = 5 * sd;
   Free others = free;
   others[p] = false;
@@ -292,7 +297,7 @@ Question question_of(const study::Study& data, double robust) {
   Question q{data, {}, {}, {}, robust, {}, {}};
   std::vector<double> stops;
   for (const auto& m : data.measurements) stops.push_back(m.time);
-  q.points = study::cut(data.knots, stops, 0.002, 0.06);
+  q.points = study::cut(data.knots, stops, 0.002, 0.06, data.name);
   for (const auto& m : data.measurements) {
     // The last point of that time: after a step, if there is one.
     std::size_t i = q.points.size();
@@ -310,13 +315,35 @@ double computed(const Question& q, const Values& v, std::size_t i) {
   return q.measured[i] + residual * q.data.measurements[i].sd;
 }
 
+/// By how many sd the results change at most if every time step is halved.
+double error_of_steps(const Question& q, const Values& v) {
+  Question halved = q;
+  halved.numbers = {};
+  halved.points = {q.points[0]};
+  for (std::size_t i = 1; i < q.points.size(); ++i) {
+    const study::Knot &a = q.points[i - 1], &b = q.points[i];
+    halved.points.push_back({(a.time + b.time) / 2, (a.stretch + b.stretch) / 2});
+    halved.points.push_back(b);
+  }
+  for (std::size_t& i : halved.at) i *= 2;
+  double most = 0;
+  for (std::size_t i = 0; i < q.measured.size(); ++i)
+    most = std::max(most, std::abs(computed(halved, v, i) - computed(q, v, i)) / q.data.measurements[i].sd);
+  return most;
+}
+
+/// What the options ask for.
+struct Plan {
+  double robust;  // [sd]; 0: squares
+  long starts, coverage_runs;
+};
+
 /// How often the 95 % intervals hold the truth.
-int coverage(const study::Study& data, const Values& truth, const Free& free, const study::Options& options,
-             const std::string& out) {
-  const long runs = options.count("coverage", 100, 1), starts = options.count("starts", 2, 1);
-  std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0)));
+int coverage(Question q, const Values& truth, const Free& free, const Plan& plan, std::mt19937_64& random,
+             const study::Folder& out) {
+  const study::Study& data = q.data;
+  const long runs = plan.coverage_runs;
   std::normal_distribution<double> normal;
-  Question q = question_of(data, options.number("robust", 0, 0));
   std::vector<double> exact;
   for (std::size_t i = 0; i < q.measured.size(); ++i) exact.push_back(computed(q, truth, i));
   std::vector<long> by_curvature(data.fitted.size(), 0), by_profile(data.fitted.size(), 0);
@@ -325,12 +352,11 @@ int coverage(const study::Study& data, const Values& truth, const Free& free, co
     for (std::size_t i = 0; i < exact.size(); ++i)
       q.measured[i] = exact[i] + data.measurements[i].sd * normal(random);
     Values middle = truth;
-    for (const study::Bounds& b : data.fitted)
-      middle[static_cast<std::size_t>(study::growth_index(b.name))] = (b.lower + b.upper) / 2;
-    const Fit best = fits_from_starts(q, middle, free, starts, random, false)[0];
+    for (const study::Bounds& b : data.fitted) middle[b.index] = (b.lower + b.upper) / 2;
+    const Fit best = fits_from_starts(q, middle, free, plan.starts, random, false)[0];
     const Covariance c(jacobian(q, best.values, free), data.fitted);
     for (std::size_t k = 0; k < data.fitted.size(); ++k) {
-      const auto p = static_cast<std::size_t>(study::growth_index(data.fitted[k].name));
+      const auto p = data.fitted[k].index;
       const auto d = static_cast<Eigen::Index>(k);
       if (c.exists && std::abs(best.values[p] - truth[p]) <= z_95 * std::sqrt(c.covariance(d, d)))
         ++by_curvature[k];
@@ -344,51 +370,33 @@ int coverage(const study::Study& data, const Values& truth, const Free& free, co
     if (run % 20 == 19) std::fprintf(stderr, "\r  %ld of %ld runs", run + 1, runs);
   }
   std::fprintf(stderr, "\n");
-  std::string rows;
   std::vector<std::string> items;
-  std::printf("%ld runs, %zu measurements each\n%-12s %10s %12s %26s %26s\n", runs, exact.size(), "parameter",
-              "truth", "mean found", "held by curvature's 95 %", "held by profile's 95 %");
+  std::string text =
+      format("%ld runs, %zu measurements each\n%-12s %10s %12s %26s %26s\n", runs, exact.size(), "parameter",
+             "truth", "mean found", "held by curvature's 95 %", "held by profile's 95 %");
   for (std::size_t k = 0; k < data.fitted.size(); ++k) {
-    const auto p = static_cast<std::size_t>(study::growth_index(data.fitted[k].name));
+    const auto p = data.fitted[k].index;
     const double n = static_cast<double>(runs), mean = sum[k] / n;
-    std::printf("%-12s %10.5g %12.5g %24.1f %% %24.1f %%\n", data.fitted[k].name.c_str(), truth[p], mean,
-                100 * static_cast<double>(by_curvature[k]) / n, 100 * static_cast<double>(by_profile[k]) / n);
-    items.push_back(study::json_object({{"name", json(data.fitted[k].name)},
+    text +=
+        format("%-12s %10.5g %12.5g %24.1f %% %24.1f %%\n", data.fitted[k].name(), truth[p], mean,
+               100 * static_cast<double>(by_curvature[k]) / n, 100 * static_cast<double>(by_profile[k]) / n);
+    items.push_back(study::json_object({{"name", json(std::string(data.fitted[k].name()))},
                                         {"truth", json(truth[p])},
                                         {"mean", json(mean)},
                                         {"by_curvature", std::to_string(by_curvature[k])},
                                         {"by_profile", std::to_string(by_profile[k])}}));
   }
-  study::write_file(
-      std::filesystem::path(out) / "coverage.json",
-      study::json_object({{"runs", std::to_string(runs)}, {"parameters", study::json_array(items)}}));
+  out.write("coverage.json",
+            study::json_object({{"runs", std::to_string(runs)}, {"parameters", study::json_array(items)}}));
+  common::print(text);
   return 0;
 }
 
-int fit(int argc, char** argv) {
-  const study::Options options(argc, argv, help, {"set", "robust", "starts", "coverage", "seed", "out"});
-  if (options.files.size() != 1) throw study::Error("expected one file (--help says more)");
-  study::Study data = study::Reader::read(options.files[0]);
-  options.set(data.muscle);
-  if (data.measurements.empty())
-    throw study::Error(options.files[0] + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
-  const std::string out = options.text("out", "out/fit/" + data.name);
-  std::filesystem::create_directories(out);
-
-  const auto& growth = data.muscle.growth;
-  const Values given{growth.growth_time, growth.gamma, growth.G_max, growth.lambda_crit};
-  Free free{};
-  for (const study::Bounds& b : data.fitted)
-    free[static_cast<std::size_t>(study::growth_index(b.name))] = true;
-  if (options.has("coverage")) {
-    if (data.fitted.empty())
-      throw study::Error(options.files[0] + ": expected a row 'fit, NAME, LOWER, UPPER'");
-    return coverage(data, given, free, options, out);
-  }
-
-  const Question q = question_of(data, options.number("robust", 0, 0));
-  std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0)));
-  const std::vector<Fit> fits = fits_from_starts(q, given, free, options.count("starts", 8, 1), random, true);
+/// The fit, its intervals and what they are worth.
+int estimate(const Question& q, const Values& given, const Free& free, const Plan& plan,
+             std::mt19937_64& random, const study::Folder& out) {
+  const study::Study& data = q.data;
+  const std::vector<Fit> fits = fits_from_starts(q, given, free, plan.starts, random, true);
   const Fit& best = fits[0];
   const auto same = [&](const Fit& f) { return f.chi2 <= best.chi2 + 1e-6 * (1 + best.chi2); };
   const auto agreeing = std::count_if(fits.begin(), fits.end(), same);
@@ -408,28 +416,26 @@ int fit(int argc, char** argv) {
   for (std::size_t i = 0; i < data.fitted.size(); ++i) {
     const study::Bounds& b = data.fitted[i];
     const auto d = static_cast<Eigen::Index>(i);
-    const double x = best.values[static_cast<std::size_t>(study::growth_index(b.name))],
-                 sd = std::sqrt(c.covariance(d, d));
-    std::fprintf(stderr, "\r  profile of %-12s", b.name.c_str());
+    const double x = best.values[b.index], sd = std::sqrt(c.covariance(d, d));
+    std::fprintf(stderr, "\r  profile of %-12s", b.name());
     const Profile along = profile(q, best, free, b, sd);
     // A curvature of next to nothing is no interval.
     const auto end = [&](double y) {
       return std::isfinite(y) && std::abs(y) < 100 * b.upper ? format("%.5g", y) : std::string("open");
     };
-    text += format("| %s | %.5g | %s | %s to %s | %s to %s | %g to %g |\n", b.name.c_str(), x,
-                   end(sd).c_str(), end(x - z_95 * sd).c_str(), end(x + z_95 * sd).c_str(),
-                   end(along.lower).c_str(), end(along.upper).c_str(), b.lower, b.upper);
-    const double width = b.upper - b.lower;
-    if (x - b.lower < 1e-6 * width || b.upper - x < 1e-6 * width)
+    text += format("| %s | %.5g | %s | %s to %s | %s to %s | %g to %g |\n", b.name(), x, end(sd).c_str(),
+                   end(x - z_95 * sd).c_str(), end(x + z_95 * sd).c_str(), end(along.lower).c_str(),
+                   end(along.upper).c_str(), b.lower, b.upper);
+    if (b.part(x) < 1e-6 || b.part(x) > 1 - 1e-6)
       warnings.push_back(
-          format("%s ends at a bound, %.5g: its interval by curvature means nothing.", b.name.c_str(), x));
+          format("%s ends at a bound, %.5g: its interval by curvature means nothing.", b.name(), x));
     if (!std::isfinite(along.lower) || !std::isfinite(along.upper))
-      warnings.push_back(format("The data do not bound %s %s between %g and %g.", b.name.c_str(),
+      warnings.push_back(format("The data do not bound %s %s between %g and %g.", b.name(),
                                 std::isfinite(along.lower)   ? "from above"
                                 : std::isfinite(along.upper) ? "from below"
                                                              : "at all",
                                 b.lower, b.upper));
-    parameters.push_back(study::json_object({{"name", json(b.name)},
+    parameters.push_back(study::json_object({{"name", json(std::string(b.name()))},
                                              {"estimate", json(x)},
                                              {"sd", json(sd)},
                                              {"lower", json(along.lower)},
@@ -453,12 +459,28 @@ int fit(int argc, char** argv) {
       covariance_row.push_back(c.covariance(i, j));
       if (j < i && std::abs(row.back()) > 0.95)
         warnings.push_back(format("The data can hardly tell %s and %s apart: correlation %.3f.",
-                                  data.fitted[static_cast<std::size_t>(j)].name.c_str(),
-                                  data.fitted[static_cast<std::size_t>(i)].name.c_str(), row.back()));
+                                  data.fitted[static_cast<std::size_t>(j)].name(),
+                                  data.fitted[static_cast<std::size_t>(i)].name(), row.back()));
     }
     correlation.push_back(json(row));
     covariance.push_back(json(covariance_row));
   }
+  if (agreeing == 1 && fits.size() > 2 && k > 0)
+    warnings.push_back(
+        format("Of %zu starts only one ends at this fit: there may be better ones (--starts).", fits.size()));
+  const double off_steps = error_of_steps(q, best.values);
+  if (!(off_steps < 0.2))
+    warnings.push_back(
+        format("The time steps are too long for these parameters: what is computed is off by %.2g "
+               "sd.",
+               off_steps));
+  const std::size_t last = data.knots.size() - 1;
+  const double end = data.knots[last].time, latest = q.points.back().time;
+  if (latest > end * (1 + 1e-9) && end > data.knots[last - 1].time)
+    warnings.push_back(
+        format("The history ends on day %g; for the measurements until day %g its last stretch, %g, is "
+               "taken to stay.",
+               end, latest, data.knots[last].stretch));
   if (n < k) warnings.push_back(format("%ld measurements cannot decide %ld parameters.", n, k));
   if (n > k && best.chi2 > static_cast<double>(n - k) + 3 * std::sqrt(2.0 * static_cast<double>(n - k)))
     warnings.push_back(format(
@@ -470,12 +492,12 @@ int fit(int argc, char** argv) {
     text += format("\n| %s |", title);
     std::string rule = "|---|";
     for (const auto& b : data.fitted) {
-      text += " " + b.name + " |";
+      text += std::string(" ") + b.name() + " |";
       rule += "---|";
     }
     text += "\n" + rule + "\n";
     for (Eigen::Index row = 0; row < k; ++row) {
-      text += "| " + data.fitted[static_cast<std::size_t>(row)].name + " |";
+      text += std::string("| ") + data.fitted[static_cast<std::size_t>(row)].name() + " |";
       for (Eigen::Index column = 0; column < k; ++column) text += " " + format(number, m(row, column)) + " |";
       text += "\n";
     }
@@ -497,36 +519,65 @@ int fit(int argc, char** argv) {
                                          {"computed", json(y)}}));
   }
   for (const std::string& warning : warnings) text += "\n**Warning:** " + warning + "\n";
-  std::printf("%s", text.c_str());
 
   // The history at the estimate, finer than it was fitted with.
   auto muscle = data.muscle;
   muscle.growth = {best.values[0], best.values[1], best.values[2], best.values[3]};
   std::vector<double> stops;
   for (const auto& m : data.measurements) stops.push_back(m.time);
-  const auto curve = study::pull(muscle, study::cut(data.knots, stops, 0.002, 0.03));
-  if (k > 0) text += "\n![fit](fit.png)\n![profiles](profiles.png)\n";
-  study::write_file(std::filesystem::path(out) / "report.md", text);
-  study::write_file(
-      std::filesystem::path(out) / "report.json",
-      study::json_object(
-          {{"title", json(data.title)},
-           {"name", json(data.name)},
-           {"chi2", json(best.chi2)},
-           {"measurements", study::json_array(points)},
-           {"parameters", study::json_array(parameters)},
-           {"values", json(std::vector<double>(best.values.begin(), best.values.end()))},
-           {"starts_agreeing", std::to_string(agreeing)},
-           {"starts", std::to_string(fits.size())},
-           {"correlation", study::json_array(correlation)},
-           {"covariance", study::json_array(covariance)},
-           {"warnings", study::json_array(warnings, [](const std::string& w) { return w; })},
-           {"time", study::json_array(curve, [](const study::Point& p) { return p.time; })},
-           {"lambda_e", study::json_array(curve, [](const study::Point& p) { return p.lambda_e; })},
-           {"G", study::json_array(curve, [](const study::Point& p) { return p.G; })},
-           {"stretch", study::json_array(curve, [](const study::Point& p) { return p.stretch; })}}));
-  std::printf("\nresults in %s\n", out.c_str());
+  const auto curve = study::pull(muscle, study::cut(data.knots, stops, 0.002, 0.03, data.name));
+  out.write("report.md", text + (k > 0 ? "\n![fit](fit.png)\n![profiles](profiles.png)\n" : ""));
+  out.write("report.json",
+            study::json_object(
+                {{"title", json(data.title)},
+                 {"name", json(data.name)},
+                 {"chi2", json(best.chi2)},
+                 {"measurements", study::json_array(points)},
+                 {"parameters", study::json_array(parameters)},
+                 {"values", json(std::vector<double>(best.values.begin(), best.values.end()))},
+                 {"starts_agreeing", std::to_string(agreeing)},
+                 {"starts", std::to_string(fits.size())},
+                 {"correlation", study::json_array(correlation)},
+                 {"covariance", study::json_array(covariance)},
+                 {"warnings", study::json_array(warnings, [](const std::string& w) { return w; })},
+                 {"time", study::json_array(curve, [](const study::Point& p) { return p.time; })},
+                 {"lambda_e", study::json_array(curve, [](const study::Point& p) { return p.lambda_e; })},
+                 {"G", study::json_array(curve, [](const study::Point& p) { return p.G; })},
+                 {"stretch", study::json_array(curve, [](const study::Point& p) { return p.stretch; })}}));
+  common::print(text + out.last_line());
   return 0;
+}
+
+int fit(int argc, char** argv) {
+  const study::Options options(argc, argv, help, {"robust", "starts", "coverage", "seed", "out"}, {"set"});
+  if (options.files.size() != 1) throw study::Error("expected one file (--help says more)");
+  const std::string& file = options.files[0];
+  const study::Study data = study::read(file, options);
+  if (data.measurements.empty())
+    throw study::Error(file + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
+  if (data.knots.size() < 2) throw study::Error(file + ": expected a row step, ramp, hold or distract");
+  const auto& growth = data.muscle.growth;
+  const Values given{growth.growth_time, growth.gamma, growth.G_max, growth.lambda_crit};
+  Free free{};
+  for (const study::Bounds& b : data.fitted) free[b.index] = true;
+  std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0, most_seed)));
+  const Plan plan{options.number("robust", 0, 1e-3, 1e6),
+                  options.count("starts", options.has("coverage") ? 2 : 8, 1, 10000),
+                  options.count("coverage", 0, 1, 1000000)};
+  if (plan.coverage_runs > 0) {
+    if (data.fitted.empty()) throw study::Error(file + ": expected a row 'fit, NAME, LOWER, UPPER'");
+    for (const study::Bounds& b : data.fitted) {
+      if (!(b.lower <= given[b.index] && given[b.index] <= b.upper))
+        throw study::Error(b.place + ": with --coverage " + b.name() + " = " +
+                           study::text_of(given[b.index]) +
+                           ", which is taken as true, has to be within the bounds");
+    }
+  }
+  const Question q = question_of(data, plan.robust);
+  const study::Folder out(options.text("out", "out/fit/" + data.name),
+                          {"report.md", "report.json", "coverage.json", "fit.png", "profiles.png"});
+  return plan.coverage_runs > 0 ? coverage(q, given, free, plan, random, out)
+                                : estimate(q, given, free, plan, random, out);
 }
 
 }  // namespace

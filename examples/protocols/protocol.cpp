@@ -17,7 +17,7 @@ Pulls a strip of muscle with free sides through every protocol (rows: examples/c
 has some) and compares them, in a table and a figure. With --design: the fastest way to STRETCH on which the elastic
 stretch never exceeds LAMBDA_E, with its daily schedule; FILE may set the parameters and the rest length.
 
-  --set NAME=VALUE   a parameter of every protocol: c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_rev
+  --set NAME=VALUE   a parameter of every protocol: c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_crit_rev
   --injury LAMBDA_E  elastic stretch above which time is counted; default 1.1, a number to choose, not a finding
   --within X         time to return: until lambda_e stays below 1 + X; default 0.03
   --rest-length MM   length at stretch 1, for the schedule; default: FILE's, else 100
@@ -68,7 +68,8 @@ Outcome judge(const study::Study& s, const std::vector<Point>& run, double injur
 std::string csv(const std::vector<Point>& run) {
   std::string text = "day,stretch,G,lambda_e,force_per_reference_area,lateral_stretch\n";
   for (const Point& p : run)
-    text += format("%.6g,%.8g,%.8g,%.8g,%.8g,%.8g\n", p.time, p.stretch, p.G, p.lambda_e, p.force, p.lateral);
+    text +=
+        format("%.10g,%.8g,%.8g,%.8g,%.8g,%.8g\n", p.time, p.stretch, p.G, p.lambda_e, p.force, p.lateral);
   return text;
 }
 
@@ -83,39 +84,57 @@ std::string json_of(const std::vector<Point>& run) {
                              {"force", column(&Point::force)}});
 }
 
+/// Says which rows of a study are not used here; empty if all are.
+std::string not_used(const study::Study& s, bool history_is) {
+  std::string rows;
+  if (!history_is && s.knots.size() > 1) rows += "its history, ";
+  if (!s.fitted.empty()) rows += "its rows 'fit', ";
+  if (!s.measurements.empty()) rows += "its measurements, ";
+  return rows.empty() ? "" : "\nNot used of " + s.name + ": " + rows.substr(0, rows.size() - 2) + ".\n";
+}
+
 int compare(const study::Options& options) {
+  for (const char* name : {"limit", "rest-length"}) {
+    if (options.has(name)) throw study::Error(std::string("--") + name + ": expected only with --design");
+  }
   const double injury = options.number("injury", 1.1, 0), within = options.number("within", 0.03, 0);
-  const std::string out = options.text("out", "out/protocol");
-  std::filesystem::create_directories(out);
+  const std::string out_name = options.text("out", "out/protocol");
   std::vector<study::Study> protocols;
   double end = 0;
   for (const std::string& file : options.files) {
-    protocols.push_back(study::Reader::read(file));
-    options.set(protocols.back().muscle);
-    if (protocols.back().knots.size() < 2)
-      throw study::Error(file + ": expected a row step, ramp, hold or distract");
+    protocols.push_back(study::read(file, options));
+    const study::Study& read = protocols.back();
+    if (read.knots.size() < 2) throw study::Error(file + ": expected a row step, ramp, hold or distract");
     for (const study::Study& other : protocols) {
-      if (&other != &protocols.back() && other.name == protocols.back().name)
+      if (&other != &read && other.name == read.name)
         throw study::Error(file + ": expected another name than that of a file before");
     }
-    end = std::max(end, protocols.back().knots.back().time);
+    std::error_code none;
+    if (std::filesystem::equivalent(file, std::filesystem::path(out_name) / (read.name + ".csv"), none))
+      throw study::Error(file + ": would be overwritten; expected another folder than --out " + out_name);
+    end = std::max(end, read.knots.back().time);
   }
+  const study::Folder out(out_name, {"report.md", "report.json", "protocols.png"});
   std::string text = format(
       "| protocol | lengthened by day | peak lambda_e | on day | days above %g | dose above it [days] | "
       "below %g from day | peak force | G at the end |\n|---|---|---|---|---|---|---|---|---|\n",
       injury, 1 + within);
   std::vector<std::string> items;
+  std::size_t steps = 0;
   for (const study::Study& s : protocols) {
     // All to the same day, so that they can be compared.
-    const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02));
+    const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02, s.name));
+    if ((steps += run.size()) > study::most_steps)
+      throw study::Error(s.name + ": more than " + std::to_string(study::most_steps) +
+                         " time steps with the protocols before it: expected fewer in one run");
     const Outcome o = judge(s, run, injury, within);
-    study::write_file(std::filesystem::path(out) / (s.name + ".csv"), csv(run));
+    out.write(s.name + ".csv", csv(run));
     const std::string returned = !std::isfinite(o.returned) ? "never"
                                  : o.returned > 0           ? format("%.2f", o.returned)
                                                             : "always";
-    text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f |\n", o.title.c_str(),
-                   o.end_of_lengthening, o.peak, o.peak_day, o.above_injury, o.dose, returned.c_str(),
-                   o.peak_force, o.final_G);
+    text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f |\n",
+                   study::cell(o.title).c_str(), o.end_of_lengthening, o.peak, o.peak_day, o.above_injury,
+                   o.dose, returned.c_str(), o.peak_force, o.final_G);
     items.push_back(study::json_object({{"name", json(o.name)},
                                         {"title", json(o.title)},
                                         {"end_of_lengthening", json(o.end_of_lengthening)},
@@ -130,17 +149,19 @@ int compare(const study::Options& options) {
                                         {"final_lambda_e", json(o.final_lambda_e)},
                                         {"run", json_of(run)}}));
   }
-  std::printf("%s", text.c_str());
-  study::write_file(std::filesystem::path(out) / "report.md", text + "\n![protocols](protocols.png)\n");
-  study::write_file(
-      std::filesystem::path(out) / "report.json",
-      study::json_object(
-          {{"injury", json(injury)}, {"within", json(within)}, {"protocols", study::json_array(items)}}));
-  std::printf("\nresults in %s\n", out.c_str());
+  for (const study::Study& s : protocols) text += not_used(s, true);
+  out.write("report.md", text + "\n![protocols](protocols.png)\n");
+  out.write("report.json", study::json_object({{"injury", json(injury)},
+                                               {"within", json(within)},
+                                               {"protocols", study::json_array(items)}}));
+  common::print(text + out.last_line());
   return 0;
 }
 
 // ---- The fastest admissible protocol (docs/studies.md has the proof)
+
+constexpr int most_days = 36500;  // of a schedule
+constexpr int most_step_days = 3650;
 
 /// With lambda_e held at its limit m the right side of eq. 4 is a function of G alone. In x = (G_max -
 /// G)/(G_max - 1) it reads dx/dt = -s x^gamma, s = (m - lambda_crit)/(tau (G_max - 1)), x(0) = 1.
@@ -174,8 +195,7 @@ struct Ride {
 std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, double limit, double target) {
   std::vector<study::Knot> knots{{0, 1}};
   double G = 1;
-  constexpr int most_days = 3650;
-  for (int day = 0; day < most_days && knots.back().stretch < target; ++day) {
+  for (int day = 0; day < most_step_days && knots.back().stretch < target; ++day) {
     const double stretch = std::min(target, std::max(limit * G, knots.back().stretch));
     knots.push_back({static_cast<double>(day), stretch});
     knots.push_back({day + 1.0, stretch});
@@ -188,7 +208,7 @@ std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, dou
 /// than `most`.
 double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, double target, double most) {
   const auto admissible = [&](double days) {
-    const auto run = study::pull(muscle, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0));
+    const auto run = study::pull(muscle, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0, "the ramp"));
     return std::all_of(run.begin(), run.end(), [&](const Point& p) { return p.lambda_e <= limit; });
   };
   if (!admissible(most)) return std::numeric_limits<double>::infinity();
@@ -198,31 +218,45 @@ double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, doubl
 }
 
 int design(const study::Options& options) {
-  const double target = options.number("design", 0, 1), limit = options.number("limit", 0, 0);
+  for (const char* name : {"injury", "within"}) {
+    if (options.has(name)) throw study::Error(std::string("--") + name + ": not used with --design");
+  }
+  if (!options.has("limit")) throw study::Error("--design: expected --limit LAMBDA_E with it");
   if (options.files.size() > 1)
     throw study::Error("--design: expected at most one file, for parameters and rest length");
+  const double target = options.number("design", 0, 1 + 1e-9, study::most_stretch);
+  const double limit = options.number("limit", 0, study::least_stretch, study::most_stretch);
   study::Study s;
-  if (!options.files.empty()) s = study::Reader::read(options.files[0]);
-  options.set(s.muscle);
+  if (options.files.empty()) {
+    options.set(s);
+    study::check_parameters(s);
+  } else {
+    s = study::read(options.files[0], options);
+  }
   const auto& growth = s.muscle.growth;
-  const double rest = options.number("rest-length", s.rest_length > 0 ? s.rest_length : 100, 0);
-  if (!options.has("limit")) throw study::Error("--design: expected --limit LAMBDA_E with it");
+  const double rest = options.number("rest-length", s.rest_length > 0 ? s.rest_length : 100,
+                                     study::least_length, study::most_length);
   if (!(limit > growth.lambda_crit) || !(limit > 1))
     throw study::Error("--limit = " + study::text_of(limit) +
                        ": expected more than 1 and than lambda_crit = " + study::text_of(growth.lambda_crit) +
                        ", or nothing grows");
-  const std::string out = options.text("out", "out/design");
-  std::filesystem::create_directories(out);
+  const study::Folder out(options.text("out", "out/design"),
+                          {"report.md", "report.json", "design.png", "schedule.csv", "fastest.csv"});
 
   const Ride ride{growth, limit};
   const double days = ride.day(target);
-  if (!std::isfinite(days)) {
+  if (!(days <= most_days)) {
     const bool ends = growth.gamma < 1;
-    std::printf(
-        "No protocol reaches stretch %g with lambda_e <= %g: the muscle grows to G_max = %g at most, and so\n"
-        "to stretch %g x %g = %g%s. Allow lambda_e > %.5g, or ask for less.\n",
-        target, limit, growth.G_max, limit, growth.G_max, limit * growth.G_max,
-        ends ? "" : ", which it nears without an end", target / growth.G_max);
+    common::print(target < limit * growth.G_max
+                      ? format("The fastest way to stretch %g with lambda_e <= %g takes %g days, more than "
+                               "the %d that are\n"
+                               "planned here. Allow a larger lambda_e, or ask for less.\n",
+                               target, limit, days, most_days)
+                      : format("No protocol reaches stretch %g with lambda_e <= %g: the muscle grows to "
+                               "G_max = %g at most, "
+                               "and so\nto stretch %g x %g = %g%s. Allow lambda_e > %.5g, or ask for less.\n",
+                               target, limit, growth.G_max, limit, growth.G_max, limit * growth.G_max,
+                               ends ? "" : ", which it nears without an end", target / growth.G_max));
     return 1;
   }
 
@@ -234,8 +268,8 @@ int design(const study::Options& options) {
     knots.push_back({t, limit * ride.G(t)});
   }
   const double after = std::max(days, 14.0);
-  const auto run =
-      study::pull(s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02));
+  const auto run = study::pull(
+      s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02, "the fastest"));
   double peak = 0, off = 0;
   for (const Point& p : run) {
     peak = std::max(peak, p.lambda_e);
@@ -244,7 +278,8 @@ int design(const study::Options& options) {
   auto step_knots = daily_steps(s.muscle, limit, target);
   const bool steps_arrive = step_knots.back().stretch >= target;
   const double step_days = step_knots[step_knots.size() - 2].time;
-  const auto step_run = study::pull(s.muscle, study::cut(step_knots, {days + after}, 0.002, 0.02));
+  const auto step_run =
+      study::pull(s.muscle, study::cut(step_knots, {days + after}, 0.002, 0.02, "the daily steps"));
   double step_peak = 0;
   for (const Point& p : step_run) step_peak = std::max(step_peak, p.lambda_e);
   const double ramp_days = days > 0 ? shortest_ramp(s.muscle, limit, target, 100 * days) : 0;
@@ -257,7 +292,7 @@ int design(const study::Options& options) {
   text += format("| the same, simulated: G off by %.1e at most | %.4f | %.6f |\n", off, days, peak);
   text += steps_arrive
               ? format("| in steps once a day, up to the limit each | %.0f | %.6f |\n", step_days, step_peak)
-              : std::string("| in steps once a day, up to the limit each | not within 3650 | |\n");
+              : format("| in steps once a day, up to the limit each | not within %d | |\n", most_step_days);
   text +=
       std::isfinite(ramp_days)
           ? format("| at a constant rate, the shortest that is admissible | %.4f | %g |\n", ramp_days,
@@ -265,7 +300,7 @@ int design(const study::Options& options) {
           : std::string(
                 "| at a constant rate, the shortest that is admissible | more than 100 times the fastest | "
                 "|\n");
-  std::printf("%s", text.c_str());
+  if (!options.files.empty()) text += not_used(s, false);
 
   std::string schedule =
       "day,fastest_stretch,fastest_mm,fastest_mm_this_day,steps_stretch,steps_mm,steps_mm_this_day\n";
@@ -283,22 +318,21 @@ int design(const study::Options& options) {
     last = mm;
     last_step = step_mm;
   }
-  study::write_file(std::filesystem::path(out) / "schedule.csv", schedule);
-  study::write_file(std::filesystem::path(out) / "report.md", text + "\n![design](design.png)\n");
-  study::write_file(std::filesystem::path(out) / "fastest.csv", csv(run));
-  study::write_file(std::filesystem::path(out) / "report.json",
-                    study::json_object({{"target", json(target)},
-                                        {"limit", json(limit)},
-                                        {"days", json(days)},
-                                        {"peak", json(peak)},
-                                        {"G_off", json(off)},
-                                        {"step_days", json(steps_arrive ? step_days : NAN)},
-                                        {"step_peak", json(step_peak)},
-                                        {"ramp_days", json(ramp_days)},
-                                        {"rest_length", json(rest)},
-                                        {"run", json_of(run)},
-                                        {"steps", json_of(step_run)}}));
-  std::printf("\nlengths day by day: %s/schedule.csv\nresults in %s\n", out.c_str(), out.c_str());
+  out.write("schedule.csv", schedule);
+  out.write("report.md", text + "\n![design](design.png)\n");
+  out.write("fastest.csv", csv(run));
+  out.write("report.json", study::json_object({{"target", json(target)},
+                                               {"limit", json(limit)},
+                                               {"days", json(days)},
+                                               {"peak", json(peak)},
+                                               {"G_off", json(off)},
+                                               {"step_days", json(steps_arrive ? step_days : NAN)},
+                                               {"step_peak", json(step_peak)},
+                                               {"ramp_days", json(ramp_days)},
+                                               {"rest_length", json(rest)},
+                                               {"run", json_of(run)},
+                                               {"steps", json_of(step_run)}}));
+  common::print(text + "\nlengths day by day: " + out.path("schedule.csv") + out.last_line());
   return 0;
 }
 
@@ -307,7 +341,7 @@ int design(const study::Options& options) {
 int main(int argc, char** argv) {
   return study::run([&] {
     const study::Options options(argc, argv, help,
-                                 {"set", "injury", "within", "design", "limit", "rest-length", "out"});
+                                 {"injury", "within", "design", "limit", "rest-length", "out"}, {"set"});
     if (options.has("design")) return design(options);
     if (options.files.empty()) throw study::Error("expected a file, or --design (--help says more)");
     return compare(options);

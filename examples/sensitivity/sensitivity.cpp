@@ -15,8 +15,10 @@
 #include <array>
 #include <chrono>
 #include <ctime>
+#include <future>
 #include <myogrowth/batch.hpp>
 #include <random>
+#include <system_error>
 #include <thread>
 
 #include "../common/jet.hpp"
@@ -46,7 +48,7 @@ Global: Sobol's indices of independent, uniform parameters, with 95 % bootstrap 
 constexpr std::size_t n_inputs = 7;
 constexpr std::array<const char*, n_inputs> names = {"tau",  "gamma", "G_max", "lambda_crit",
                                                      "ramp", "c1",    "c2"};
-constexpr std::size_t gamma_input = 1;
+constexpr std::size_t gamma_input = 1, ramp_input = 4;
 constexpr int levels = 64;  // of gamma
 template <class T>
 using Inputs = std::array<T, n_inputs>;  // in the order of names
@@ -201,21 +203,27 @@ void run_together(const Case& c, History* const* some, std::size_t n) {
   }
 }
 
-/// Calls body(part) for the parts of a whole, over threads; with a word on progress now and then.
+/// Calls body(part) for the parts of a whole, over threads; with a word on progress now and then. What a
+/// thread throws comes out of here.
 template <class Body>
 void in_threads(std::size_t parts, unsigned threads, const char* what, const Body& body) {
-  std::vector<std::thread> workers;
+  std::vector<std::future<void>> workers;
   for (unsigned w = 0; w < threads; ++w) {
-    workers.emplace_back([&, w] {
+    const auto work = [&, w] {
       for (std::size_t part = w; part < parts; part += threads) {
         body(part);
         if (w == 0 && part / threads % (parts / threads / 10 + 1) == 0)
           std::fprintf(stderr, "\r  %s: %3.0f %%", what,
                        100.0 * static_cast<double>(part) / static_cast<double>(parts));
       }
-    });
+    };
+    try {
+      workers.push_back(std::async(std::launch::async, work));
+    } catch (const std::system_error& e) {
+      throw study::Error(format("--threads = %u: only %u could be started: %s", threads, w, e.what()));
+    }
   }
-  for (std::thread& worker : workers) worker.join();
+  for (std::future<void>& worker : workers) worker.get();
   std::fprintf(stderr, "\r  %s: 100 %%\n", what);
 }
 
@@ -230,7 +238,11 @@ void run_all(const Case& c, std::vector<History>& all, unsigned threads) {
   in_threads(parts.size(), threads, "histories",
              [&](std::size_t p) { run_together(c, parts[p].first, parts[p].second); });
   for (const History& h : all) {
-    if (!myogrowth::are_finite(h.y.data(), 3)) throw study::Error("a history has no result");
+    if (myogrowth::are_finite(h.y.data(), 3)) continue;
+    std::string at;
+    for (std::size_t i = 0; i < n_inputs; ++i)
+      at += format("%s%s = %.6g", i > 0 ? ", " : "", names[i], i == gamma_input ? c.gamma(h.level) : h.x[i]);
+    throw study::Error("a history has no result: " + at + ": expected narrower ranges");
   }
 }
 
@@ -303,40 +315,71 @@ std::string indices_json(std::size_t rows, const F& f, unsigned threads, unsigne
 
 constexpr std::array<const char*, 3> output_names = {"peak lambda_e", "final lambda_e", "peak force"};
 
+/// The muscle of some inputs, for the check of its parameters.
+myogrowth::FibreGrowth<> muscle_of(const Inputs<double>& x) {
+  myogrowth::FibreGrowth<> muscle;
+  muscle.growth = {x[0], x[1], x[2], x[3]};
+  muscle.c1 = x[5];
+  muscle.c2 = x[6];
+  return muscle;
+}
+
+/// --range NAME=LOW:HIGH, all of them. The two ends are checked as a muscle's parameters; so is all between
+/// them then.
+void set_ranges(const study::Options& options, Case& c) {
+  std::array<std::string, n_inputs> places;
+  for (const std::string& text : options.all("range")) {
+    const std::string place = "--range " + study::visible(text);
+    const std::size_t equals = text.find('='), colon = text.find(':', std::min(equals, text.size()));
+    const auto name = std::find(names.begin(), names.end(), text.substr(0, equals));
+    if (name == names.end() || colon == text.npos)
+      throw study::Error(place +
+                         ": expected NAME=LOW:HIGH, NAME one of tau gamma G_max lambda_crit ramp c1 c2");
+    const auto number = [&](const std::string& value) {
+      double x;
+      if (!common::to_number(value, x))
+        throw study::Error(place + ": expected a number, found '" + study::visible(value) + "'" +
+                           common::hint(value));
+      return x;
+    };
+    const auto i = static_cast<std::size_t>(name - names.begin());
+    c.low[i] = number(text.substr(equals + 1, colon - equals - 1));
+    c.high[i] = number(text.substr(colon + 1));
+    if (!(c.high[i] > c.low[i])) throw study::Error(place + ": expected LOW < HIGH");
+    if (i == ramp_input && !(c.low[i] >= study::least_days))
+      throw study::Error(place + ": expected days from " + study::text_of(study::least_days) + " on");
+    if (!std::exchange(places[i], place).empty())
+      throw study::Error(place + ": expected only one range of " + names[i]);
+  }
+  for (const Inputs<double>& end : {c.low, c.high}) {
+    for (std::size_t i = 0; i < n_inputs; ++i) {
+      if (i != ramp_input) study::check(muscle_of(end), names[i], places[i]);
+    }
+  }
+}
+
 int sensitivity(int argc, char** argv) {
-  const study::Options options(argc, argv, help,
-                               {"histories", "stretch", "days", "range", "threads", "seed", "out"});
+  const study::Options options(argc, argv, help, {"histories", "stretch", "days", "threads", "seed", "out"},
+                               {"range"});
   if (!options.files.empty())
-    throw study::Error("'" + options.files[0] + "': no file is read (--help lists the options)");
-  Case c{options.number("stretch", 1.1, 1),
-         options.number("days", 42, 0),
+    throw study::Error("'" + study::visible(options.files[0]) +
+                       "': no file is read (--help lists the options)");
+  Case c{options.number("stretch", 1.1, 1 + 1e-9, study::most_stretch),
+         options.number("days", 42, study::least_days, study::most_days),
          {0.25, 1, 1.05, 1.0, 0.25, 8, 2},
          {0.75, 3, 1.15, 1.02, 1.75, 24, 6}};
-  for (const std::string& text : options.all("range")) {
-    const std::size_t equals = text.find('='), colon = text.find(':');
-    const auto name = std::find(names.begin(), names.end(), text.substr(0, equals));
-    double low, high;
-    if (name == names.end() || equals == std::string::npos || colon == std::string::npos || colon < equals ||
-        !study::to_number(text.substr(equals + 1, colon - equals - 1), low) ||
-        !study::to_number(text.substr(colon + 1), high))
-      throw study::Error("--range " + text +
-                         ": expected NAME=LOW:HIGH, NAME one of tau gamma G_max lambda_crit ramp c1 c2");
-    const auto i = static_cast<std::size_t>(name - names.begin());
-    const double least = i == 2 ? 1 : 0;
-    if (!(low > least) || !(high > low))
-      throw study::Error("--range " + text + format(": expected %g < LOW < HIGH", least));
-    c.low[i] = low;
-    c.high[i] = high;
-  }
-  if (!(c.high[4] < c.days))
-    throw study::Error("--days: expected more than the longest ramp, " + study::text_of(c.high[4]));
+  set_ranges(options, c);
+  if (!(c.high[ramp_input] < c.days))
+    throw study::Error("--days = " + study::text_of(c.days) + ": expected more than the longest ramp, " +
+                       study::text_of(c.high[ramp_input]));
+  constexpr long fewest = 100 * (n_inputs + 2), most = 10000000;  // of about 100 bytes each
   const std::size_t rows =
-      static_cast<std::size_t>(options.count("histories", 1000000, 9 * 100)) / (n_inputs + 2);
-  const auto threads =
-      static_cast<unsigned>(options.count("threads", std::max(1u, std::thread::hardware_concurrency()), 1));
-  const auto seed = static_cast<unsigned long>(options.count("seed", 1, 0));
-  const std::string out = options.text("out", "out/sensitivity");
-  std::filesystem::create_directories(out);
+      static_cast<std::size_t>(options.count("histories", 1000000, fewest, most)) / (n_inputs + 2);
+  const long cores = std::max(1u, std::thread::hardware_concurrency());
+  const auto threads = static_cast<unsigned>(options.count("threads", cores, 1, 1024));
+  const auto seed = static_cast<unsigned long>(options.count("seed", 1, 0, 4294967295));
+  const study::Folder out(options.text("out", "out/sensitivity"),
+                          {"report.md", "report.json", "local.png", "global.png"});
 
   Inputs<double> middle;
   for (std::size_t i = 0; i < n_inputs; ++i) middle[i] = (c.low[i] + c.high[i]) / 2;
@@ -427,8 +470,6 @@ int sensitivity(int argc, char** argv) {
                                          {"sd", json(std::sqrt(point.variance))},
                                          {"indices", items}}));
   }
-  std::printf("%s", text.c_str());
-
   std::vector<std::string> relative, forces;
   for (std::size_t i = 0; i < n_inputs; ++i) {
     relative.push_back(study::json_array(local_rows, [&](const Row<Jet>& r) {
@@ -438,28 +479,26 @@ int sensitivity(int argc, char** argv) {
       return middle[i] * r.force.v[static_cast<int>(i)] / r.force.a;
     }));
   }
-  study::write_file(std::filesystem::path(out) / "report.md",
-                    text + "\n![local](local.png)\n![global](global.png)\n");
-  study::write_file(
-      std::filesystem::path(out) / "report.json",
-      study::json_object(
-          {{"stretch", json(c.stretch)},
-           {"days", json(c.days)},
-           {"names", study::json_array(names, [](const char* name) { return std::string(name); })},
-           {"low", json(std::vector<double>(c.low.begin(), c.low.end()))},
-           {"high", json(std::vector<double>(c.high.begin(), c.high.end()))},
-           {"middle", study::json_array(local, [](const Jet& y) { return y.a; })},
-           {"time", study::json_array(local_rows, [](const Row<Jet>& r) { return r.time; })},
-           {"lambda_e", study::json_array(local_rows, [](const Row<Jet>& r) { return r.lambda_e.a; })},
-           {"relative_lambda_e", study::json_array(relative)},
-           {"relative_force", study::json_array(forces)},
-           {"tornado", study::json_array(tornado)},
-           {"global", study::json_array(global)},
-           {"histories", std::to_string(all.size())},
-           {"seconds", json(seconds)},
-           {"cpu_seconds", json(cpu)},
-           {"off", json(std::vector<double>(off.begin(), off.end()))}}));
-  std::printf("\nresults in %s\n", out.c_str());
+  out.write("report.md", text + "\n![local](local.png)\n![global](global.png)\n");
+  out.write("report.json",
+            study::json_object(
+                {{"stretch", json(c.stretch)},
+                 {"days", json(c.days)},
+                 {"names", study::json_array(names, [](const char* name) { return std::string(name); })},
+                 {"low", json(std::vector<double>(c.low.begin(), c.low.end()))},
+                 {"high", json(std::vector<double>(c.high.begin(), c.high.end()))},
+                 {"middle", study::json_array(local, [](const Jet& y) { return y.a; })},
+                 {"time", study::json_array(local_rows, [](const Row<Jet>& r) { return r.time; })},
+                 {"lambda_e", study::json_array(local_rows, [](const Row<Jet>& r) { return r.lambda_e.a; })},
+                 {"relative_lambda_e", study::json_array(relative)},
+                 {"relative_force", study::json_array(forces)},
+                 {"tornado", study::json_array(tornado)},
+                 {"global", study::json_array(global)},
+                 {"histories", std::to_string(all.size())},
+                 {"seconds", json(seconds)},
+                 {"cpu_seconds", json(cpu)},
+                 {"off", json(std::vector<double>(off.begin(), off.end()))}}));
+  common::print(text + out.last_line());
   return 0;
 }
 

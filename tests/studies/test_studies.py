@@ -6,6 +6,8 @@ import csv
 import json
 import math
 import pathlib
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -40,6 +42,38 @@ class Job(unittest.TestCase):
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
         return done.stderr if status == 2 else done.stdout
+
+    def run_limited(self, command, most_bytes, stdout=subprocess.PIPE):
+        """Runs a program whose files may have so many bytes, as if the disk were full then. Its status and its errors."""
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+        done = subprocess.run([*map(str, command)], stdout=stdout, stderr=subprocess.PIPE, text=True, preexec_fn=limit)
+        return done.returncode, done.stderr
+
+    def check_writing(self, *arguments):
+        """Whatever cannot be written is named with its reason, and the status is not 0."""
+        command = [PROGRAMS / self.program, *arguments, "--out"]
+        out, taken = self.folder / "out", self.file("", "taken")
+        for most in (3000, 0):
+            status, errors = self.run_limited([*command, out], most)
+            self.assertEqual(status, 2, errors)
+            self.assertRegex(errors, r"out(/[a-z0-9.]+)?: cannot be written( in)?: File too large\n$")
+        for folder, message in ((taken, "taken: cannot be made a folder: Not a directory"),
+                                (taken / "under", "under: cannot be made a folder: Not a directory"),
+                                (self.folder / ("n" * 300), "nnn: cannot be made a folder: File name too long")):
+            done = subprocess.run([*map(str, command), folder], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertEqual(done.stderr.count("\n"), 1, "before the first step: no progress is shown")
+            self.assertIn(message, done.stderr)
+        with open("/dev/full", "wb") as full:
+            status, errors = self.run_limited([*command, out], resource.RLIM_INFINITY, stdout=full)
+        self.assertEqual(status, 2)
+        self.assertIn("standard output: cannot be written: No space left on device", errors)
+        self.assertGreater((out / "report.json").stat().st_size, 1000)
+        closed = subprocess.run(["sh", "-c", '"$@" >&-', "sh", *map(str, command), out], capture_output=True, text=True)
+        self.assertEqual(closed.returncode, 2)
+        self.assertIn("standard output: cannot be written: Bad file descriptor", closed.stderr)
 
     def report(self, *arguments):
         self.run_it(*arguments)
@@ -130,21 +164,164 @@ class Fit(Job):
             ("step, 1.1\nmeasure, 3, G\n", "study.csv:2:14: expected a value, a number > 0, found nothing"),
             ("step, 1.1, 3\n", "study.csv:1:12: expected the end of the row, found '3'"),
             ("jump, 1.1\n", "study.csv:1:1: expected title, include, set, fit"),
-            ("set, G_max, 0.9\n", "study.csv:1:13: expected G_max > 1, found '0.9'"),
+            ("set, G_max, 0.9\n", "study.csv:1:13: G_max = 0.9: largest relative serial sarcomere number, must be finite and > 1"),
             ("set, tua, 0.9\n", "study.csv:1:6: expected a parameter: c1, c2, tau"),
             ("fit, tau, 3, 2\n", "study.csv:1:14: expected an upper bound, a number > 3, found '2'"),
             ("fit, c1, 3, 4\n", "study.csv:1:6: expected tau, gamma, G_max or lambda_crit, found 'c1'"),
             ("include, nowhere.csv\n", "study.csv:1:10: expected the name of a file that can be read"),
-            ("include, study.csv\n", "study.csv:1:10: expected the name of a file that can be read (and not in a circle)"),
             ("distract, 1, 3\n", "study.csv:1:1: expected a row 'rest_length, MM' before 'distract'"),
-            ("set, tau_rev, 1\nset, lambda_rev, 1.5\nstep, 1.1\n", "lambda_rev = 1.5: expected at most lambda_crit = 1.01"),
             ("step, 1.1\n", "study.csv: expected a row 'measure"),
         ])
         good = self.file("step, 1.1\nmeasure, 3, G, 1.02, 1\n")
         self.assertIn("no option '--strats'", self.run_it(good, "--strats", 3, status=2))
         self.assertIn("--starts = 1.5: expected a whole number", self.run_it(good, "--starts", 1.5, status=2))
-        self.assertIn("--set tau=-1: expected tau > 0", self.run_it(good, "--set", "tau=-1", status=2))
-        self.assertIn("nowhere.csv: cannot be read", self.run_it("nowhere.csv", status=2))
+        for name, reason in (("nowhere.csv", "No such file or directory"), (self.folder, "Is a directory"),
+                             (good / "study.csv", "Not a directory")):
+            self.assertIn(f"{name}: cannot be read: {reason}", self.run_it(name, status=2))
+
+    def test_parameters_are_those_of_the_umat(self):
+        removal = "set, tau_rev, 1\nset, gamma_rev, 2\nset, G_min, 0.5\nset, lambda_crit_rev, "
+        end = "step, 1.1\nmeasure, 3, G, 1.02, 1\n"
+        self.check_errors([
+            ("set, c1, -100\n" + end, "study.csv:1:10: c1 = -100: first Lame constant, must be finite and > -2/3 c2"),
+            ("set, c1, -3\n" + end, "study.csv:1:10: c1 = -3: "),
+            ("set, G_min, 1\n" + end, "study.csv:1:13: G_min = 1: "),
+            ("set, lambda_rev, 1\n" + end, "study.csv:1:6: expected a parameter: c1, c2, tau, gamma, G_max, lambda_crit, tau_rev, "
+             "gamma_rev, G_min, lambda_crit_rev, found 'lambda_rev'"),
+            (removal + "1.5\n" + end, "study.csv:4:23: lambda_crit_rev = 1.5: elastic fibre stretch below which sarcomeres are"),
+            ("set, tau_rev, 1\nset, gamma_rev, 2\nset, lambda_crit_rev, 1\n" + end,
+             "study.csv:1:15: tau_rev = 1: expected G_min to be set too"),
+            (removal + "1\nfit, lambda_crit, 0.98, 1.04\n" + end,
+             "study.csv:5:1: with lambda_crit = 0.98: lambda_crit_rev = 1: "),
+            ("fit, tau, -1, 3\n" + end, "study.csv:1:1: tau = -1: time constant of growth, must be finite and > 0"),
+            ("fit, G_max, 1, 3\n" + end, "study.csv:1:1: G_max = 1: "),
+            ("set, tau, 50\nfit, tau, 0.1, 5\n" + end,
+             "study.csv:1:11: tau = 50: expected a start within the bounds of its fit, 0.1 to 5"),
+        ])
+        good = self.file("set, c1, -3\nset, c2, 6\n" + end)  # allowed together, whichever row is first
+        self.run_it(good)
+        for value, message in (("tau=-1", "tau = -1: time constant of growth, must be finite and > 0"), ("c2=4", "c1 = -3: "),
+                               ("tau=nan", "expected a number, found 'nan'"), ("tau=", "expected a number, found ''"),
+                               ("tau=0,5", "expected a number, found '0,5': decimal comma? write 0.5"),
+                               ("tau_rev=1", "tau_rev = 1: expected gamma_rev to be set too"),
+                               ("n0_1=1", "--set n0_1=1: expected NAME=VALUE, NAME one of c1, c2"), ("tau", "expected NAME=VALUE")):
+            with self.subTest(value):
+                self.assertIn(message, self.run_it(good, "--set", value, status=2))
+        bounds = self.file("fit, gamma, 0.1, 1\n" + end)  # the default, 2, is no start of ours
+        self.run_it(bounds, "--starts", 1)
+        self.assertIn("study.csv:1:1: with --coverage gamma = 2", self.run_it(bounds, "--coverage", 3, status=2))
+
+    def test_includes(self):
+        self.file("include, c.csv\n", "b.csv")
+        self.file("include, ./study.csv\n", "c.csv")
+        (self.folder / "link.csv").symlink_to(self.folder / "study.csv")
+        self.check_errors([
+            ("# itself\ninclude, study.csv\n", "study.csv:2:10: expected the name of a file that can be read, found 'study.csv': a circle"),
+            ("include, link.csv\n", "found 'link.csv': a circle, "),
+            ("include, b.csv\n", "/c.csv:1:10: expected the name of a file that can be read, found './study.csv': a circle, "),
+            ("include, .\n", "/.: cannot be read: Is a directory"),
+            ("include, nowhere.csv\n", "/nowhere.csv: cannot be read: No such file or directory"),
+        ])
+        chain = self.run_it(self.file("include, b.csv\n"), status=2).split("a circle, ")[1]
+        self.assertEqual([pathlib.Path(name).name for name in chain.strip().split(" -> ")],
+                         ["study.csv", "b.csv", "c.csv", "study.csv"])
+        for i in range(120):
+            self.file(f"include, deep{i + 1}.csv\n", f"deep{i}.csv")
+        self.assertIn("more than 100 files, each included by the one before", self.run_it(self.folder / "deep0.csv", status=2))
+        for i in range(9):  # 8**9 rows
+            self.file(f"include, wide{i + 1}.csv\n" * 8, f"wide{i}.csv")
+        self.file("hold, 1\n", "wide9.csv")
+        self.assertIn("more than 100000 rows, with those of included files", self.run_it(self.folder / "wide0.csv", status=2))
+
+    def test_what_is_said_twice(self):
+        self.file("title, inner\nset, tau, 3\n", "inner.csv")
+        end = "step, 1.1\nmeasure, 3, G, 1.02, 1\n"
+        self.check_errors([
+            ("set, tau, 1\nset, gamma, 1\nset, tau, 2\n" + end, "study.csv:3:1: set, tau is said before, in "),
+            ("fit, tau, 1, 2\nfit, tau, 1, 3\n" + end, "study.csv:2:1: fit, tau is said before"),
+            ("title, a\ntitle, b\n" + end, "study.csv:2:1: the title is said before"),
+            ("set, tau, 1\ninclude, inner.csv\n" + end, "inner.csv:2:1: set, tau is said before, in "),
+            (end + "measure, 3.0, G, 1.02, 1\n", "study.csv:3:1: the measurement of G = 1.02 on day 3 is said before"),
+        ])
+        r = self.report(self.file("include, inner.csv\ntitle, outer\nset, tau, 0.5\n" + end + "measure, 3, G, 1.03, 1\n"))
+        self.assertEqual((r["title"], r["values"][0], len(r["measurements"])), ("outer", 0.5, 2))
+        good = self.file(end)
+        self.assertIn("--seed: expected only once", self.run_it(good, "--seed", 3, "--seed", 4, status=2))
+        self.assertIn("expected only once", self.run_it(good, "--set", "tau=3", "--set", "tau=3", status=2))
+
+    def test_limits(self):
+        end = "measure, 3, G, 1.02, 1\n"
+        far = "".join(f"ramp, {x}, 1\n" for _ in range(12) for x in (100, 0.01))
+        self.check_errors([
+            ("hold, 1e-300\n" + end, "study.csv:1:7: expected a time in days from 1e-06 to 1000000, found '1e-300'"),
+            ("hold, 1e16\n" + end, "study.csv:1:7: expected a time in days from 1e-06 to 1000000, found '1e16'"),
+            ("hold, 9e5\nhold, 9e5\n" + end, "study.csv:2:7: leads to day 1800000: expected at most 1000000"),
+            ("step, 1e6\n" + end, "study.csv:1:7: expected a stretch from 0.01 to 100, found '1e6'"),
+            ("rest_length, 10\ndistract, 1e300, 1e6\n" + end, "study.csv:2:11: leads to stretch 1e+305: expected 0.01 to 100"),
+            ("rest_length, 10\ndistract, -1, 10\n" + end, "study.csv:2:11: leads to stretch 0: expected 0.01 to 100"),
+            (far + end, "study: the history takes more than 1000000 time steps, by day "),
+            ("step, 1.1\nmeasure, 1e16, G, 1, 1\n", "study.csv:2:10: expected a time in days, a number from 0 to 1000000"),
+            ("step, 1.1\nmeasure, -1, G, 1, 1\n", "study.csv:2:10: expected a time in days, a number from 0 to 1000000, found '-1'"),
+            ("step, 1.1\nmeasure, 1, G, 1, 1e-300\n", "study.csv:2:19: expected a standard deviation from 1e-06 to 1000"),
+            ("step, 0x2\n" + end, "study.csv:1:7: expected a stretch, a number > 0, found '0x2'"),
+            ("step, nan\n" + end, "study.csv:1:7: expected a stretch, a number > 0, found 'nan'"),
+            ("ramp, 1,1\n" + end, "study.csv:1:7: two numbers or one? write '1, 1' or '1.1'"),
+            ("", "study.csv: has no rows"),
+            ("# no row\n,,,\n", "study.csv: has no rows"),
+            ("set, tau, 1\n" + end, "study.csv: expected a row step, ramp, hold or distract"),
+            ("title, a\x1b[2J\n" + end, "study.csv:1:8: expected a text in UTF-8 without control characters, found 'a\\x1b[2J'"),
+        ])
+        good = self.file("step, 1.1\n" + end)
+        for arguments, message in (
+                (("--starts", "1e300"), "--starts = 1e300: expected a whole number from 1 to 10000"),
+                (("--starts", 0), "--starts = 0: expected a whole number from 1 to 10000"),
+                (("--coverage", "1e9"), "--coverage = 1e9: expected a whole number from 1 to 1000000"),
+                (("--seed", -1), "--seed = -1: expected a whole number from 0"),
+                (("--robust", "nan"), "--robust = nan: expected a number"), (("--robust", "-1"), "--robust = -1: expected a number"),
+                (("--robust", ""), "--robust: expected a value after it"), (("--set", "--seed"), "--set: expected a value after it"),
+                (("-x",), "no option '-x'"), ((good,), "expected one file")):
+            with self.subTest(arguments):
+                self.assertIn(message, self.run_it(good, *arguments, status=2))
+        self.file("step, 1.1\n" + end).write_bytes("step, 1.1\n".encode("utf-16"))
+        self.assertIn("study.csv: is a file in UTF-16", self.run_it(good, status=2))
+
+    def test_what_spreadsheets_write_is_read(self):
+        text = "title,Z\u00f6llner; 1,5 mm $x$ | y,,,\r\n,,,,\r\nstep,1.1,,,\r\nmeasure,3,G,1.02,1\r\n"
+        path = self.folder / "study.csv"
+        path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+        self.assertEqual(self.report(path)["title"], "Z\u00f6llner; 1,5 mm $x$ | y")
+
+    def test_says_where_a_fit_ends(self):
+        """tau = 0.05 between 1e-6 and 1e6 is far from both bounds, which are divided by factors."""
+        numbers = [1.01, 1.03, 1.05, 1.07, 1.08]
+        measured = "".join(f"measure, {exact_day(G, 1.1, 0.05, 1.1, 1.01)!r}, G, {G}, 0.001\n" for G in numbers)
+        for bounds, at_bound in (("1e-6, 1e6", False), ("0.1, 1e6", True), ("1e-6, 0.01", True), ("0.04, 0.06", False)):
+            with self.subTest(bounds):
+                r = self.report(self.file(f"fit, tau, {bounds}\nstep, 1.1\n" + measured))
+                self.assertEqual(any("tau ends at a bound" in w for w in r["warnings"]), at_bound, r["warnings"])
+                if not at_bound:
+                    self.assertAlmostEqual(r["values"][0], 0.05, delta=5e-4)
+                    self.assertEqual(r["warnings"], [])
+
+    def test_says_that_its_time_steps_are_too_long(self):
+        for tau, too_long in ((0.5, False), (2e-4, True)):
+            day = exact_day(1.05, 1.1, tau, 1.1, 1.01)
+            r = self.report(self.file(f"set, tau, {tau}\nstep, 1.1\nmeasure, {day!r}, G, 1.05, 0.0001\n"))
+            self.assertEqual(any("time steps are too long" in w for w in r["warnings"]), too_long, r["warnings"])
+
+    def test_says_that_the_history_is_shorter(self):
+        for history, shorter in (("ramp, 1.1, 2", True), ("step, 1.1", False), ("step, 1.1\nhold, 3", False)):
+            r = self.report(self.file(history + "\nmeasure, 3, G, 1.02, 1\n"))
+            self.assertEqual(any("The history ends on day 2" in w for w in r["warnings"]), shorter, r["warnings"])
+
+    def test_a_measurement_just_before_the_end(self):
+        """It has a time step of its own, however long the history is."""
+        late = self.report(self.file("step, 1.1\nhold, 1e6\nmeasure, 999999.9995, G, 1.02, 1\n"))
+        last = self.report(self.file("step, 1.1\nhold, 1e6\nmeasure, 1e6, G, 1.02, 1\n"))
+        self.assertAlmostEqual(late["measurements"][0]["computed"], last["measurements"][0]["computed"], delta=1e-9)
+
+    def test_writing(self):
+        self.check_writing(EXAMPLES / "identification" / "published" / "zollner_2012.csv", "--starts", 1)
 
     def test_pictures(self):
         out = self.folder / "out"
@@ -154,6 +331,21 @@ class Fit(Job):
         self.assertEqual(done.returncode, 0, done.stderr)
         for name in ("fit.png", "profiles.png", "report.md"):
             self.assertGreater((out / name).stat().st_size, 1000)
+        # What is left when something fails is of no earlier run.
+        status, errors = self.run_limited(command, 20000)
+        self.assertEqual(status, 1)
+        self.assertRegex(errors, r"pictures.py: .*/(fit|profiles).png: cannot be written: File too large\n$")
+        self.assertFalse((out / "profiles.png").exists())
+        with open("/dev/full", "wb") as full:
+            status, errors = self.run_limited(command, resource.RLIM_INFINITY, stdout=full)
+        self.assertEqual((status, errors.splitlines()[-1]),
+                         (1, "pictures.py: standard output cannot be written: No space left on device"))
+        command[4:5] = [self.file("title, $\\x$ | $5\nstep, 1.1\nmeasure, 3, G, 1.02, 1\n", "dollars.csv")]
+        done = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        done = subprocess.run([*command[:2], "validate", command[3], "a/x.csv", "b/x.csv"], capture_output=True, text=True,
+                              cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr), (1, "pictures.py: validate: expected files, each of another name\n"))
 
 
 class Published(Job):
@@ -209,9 +401,34 @@ class Protocol(Job):
 
     def test_errors(self):
         self.assertIn("expected a file, or --design", self.run_it(status=2))
+        good = self.file("step, 1.1\n")
+        for arguments, message in (
+                (("--injury", "nan"), "--injury = nan: expected a number > 0"), (("--within", -1), "--within = -1: expected a number > 0"),
+                (("--limit", 1.05), "--limit: expected only with --design"), (("--rest-length", 5), "--rest-length: expected only with"),
+                (("--set", "c1=-100"), "--set c1=-100: c1 = -100: first Lame constant"),
+                (("--injure", 1), "no option '--injure'"), ((good,), "expected another name than that of a file before")):
+            with self.subTest(arguments):
+                self.assertIn(message, self.run_it(good, *arguments, status=2))
+        self.assertIn("study.csv: would be overwritten", subprocess.run(
+            [PROGRAMS / self.program, good, "--out", self.folder], capture_output=True, text=True).stderr)
+        self.assertEqual(good.read_text(), "step, 1.1\n")
+        far = "".join(f"ramp, {x}, 1\n" for _ in range(6) for x in (100, 0.01))
+        for name in ("far1.csv", "far2.csv"):
+            self.file(far, name)
+        self.assertIn("far2: more than 1000000 time steps with the protocols before it",
+                      self.run_it(self.folder / "far1.csv", self.folder / "far2.csv", status=2))
         self.check_errors([("set, tau, 1\n", "expected a row step, ramp, hold or distract"),
                            ("ramp, 1.1\n", "study.csv:1:10: expected a time in days, a number > 0, found nothing"),
                            ("hold, -1\n", "study.csv:1:7: expected a time in days, a number > 0, found '-1'")])
+
+    def test_says_what_it_does_not_use(self):
+        text = self.run_it(self.file("fit, tau, 0.1, 5\nstep, 1.1\nhold, 3\nmeasure, 3, G, 1.02, 1\n"))
+        self.assertIn("Not used of study: its rows 'fit', its measurements.", text)
+        self.assertNotIn("Not used", self.run_it(self.file("title, a | b\nstep, 1.1\nhold, 3\n")))
+        self.assertIn("| a \\| b | 0.00 |", (self.folder / "out" / "report.md").read_text())
+
+    def test_writing(self):
+        self.check_writing(EXAMPLES / "protocols" / "step2.csv")
 
 
 class Design(Job):
@@ -254,6 +471,27 @@ class Design(Job):
         self.assertIn("--limit = 1.005: expected more than 1 and than lambda_crit = 1.01",
                       self.run_it("--design", 1.2, "--limit", 1.005, status=2))
         self.assertIn("expected --limit LAMBDA_E", self.run_it("--design", 1.2, status=2))
+
+    def test_an_earlier_run_leaves_nothing(self):
+        self.report("--design", 1.1, "--limit", 1.05)
+        (self.folder / "out" / "design.png").write_bytes(b"old")
+        self.run_it("--design", 1.2, "--limit", 1.05, status=1)
+        self.assertEqual(list((self.folder / "out").iterdir()), [])
+
+    def test_errors(self):
+        for arguments, message in ((("--injury", 1.1), "--injury: not used with --design"), (("--limit", "nan"), "--limit = nan: expected"),
+                                   (("--limit", 1.05, "--set", "gamma=-1"), "--set gamma=-1: gamma = -1: shape exponent"),
+                                   (("--limit", 1.05, "--rest-length", 0), "--rest-length = 0: expected a number from 0.001")):
+            self.assertIn(message, self.run_it("--design", 1.1, *arguments, status=2))
+        for stretch in ("1", "nan", "1e300", "0,5"):
+            self.assertIn(f"--design = {stretch}: expected a number from 1", self.run_it("--design", stretch, "--limit", 2, status=2))
+        text = self.run_it("--design", 1.14, "--limit", 1.05, "--set", "tau=1e300", status=1)
+        self.assertIn("takes 1.", text)
+        self.assertIn("days, more than the 36500", text)
+        self.assertIn("Not used of study: its history.", self.run_it(self.file("step, 1.1\n"), "--design", 1.1, "--limit", 1.05))
+
+    def test_writing(self):
+        self.check_writing("--design", 1.1, "--limit", 1.05)
 
 
 class Sensitivity(Job):
@@ -300,10 +538,35 @@ class Sensitivity(Job):
 
     def test_errors(self):
         for arguments, message in ((("--range", "tau=2"), "--range tau=2: expected NAME=LOW:HIGH"),
-                                   (("--range", "G_max=0.9:1.2"), "--range G_max=0.9:1.2: expected 1 < LOW < HIGH"),
-                                   (("--days", 1), "--days: expected more than the longest ramp"),
+                                   (("--range", "G_max=0.9:1.2"), "--range G_max=0.9:1.2: G_max = 0.9: largest relative serial"),
+                                   (("--range", "c1=-100:3"), "--range c1=-100:3: c1 = -100: first Lame constant"),
+                                   (("--range", "c1=-3:3", "--range", "c2=1:9"), "--range c1=-3:3: c1 = -3: first Lame constant"),
+                                   (("--range", "tau=2:1"), "--range tau=2:1: expected LOW < HIGH"),
+                                   (("--range", "tau=0,5:1"), "found '0,5': decimal comma? write 0.5"),
+                                   (("--range", "tau=nan:1"), "--range tau=nan:1: expected a number, found 'nan'"),
+                                   (("--range", "ramp=0:1"), "--range ramp=0:1: expected days from 1e-06 on"),
+                                   (("--range", "tau=1:2", "--range", "tau=1:3"), "--range tau=1:3: expected only one range of tau"),
+                                   (("--threads", 40000), "--threads = 40000: expected a whole number from 1 to 1024"),
+                                   (("--threads", 0), "--threads = 0: expected a whole number from 1 to 1024"),
+                                   (("--histories", "1e18"), "--histories = 1e18: expected a whole number from 900 to 10000000"),
+                                   (("--seed", "1e300"), "--seed = 1e300: expected a whole number from 0 to"),
+                                   (("--stretch", "nan"), "--stretch = nan: expected a number from 1"),
+                                   (("--days", "1e16"), "--days = 1e16: expected a number from 1e-06 to 1000000"),
+                                   (("--days", 1), "--days = 1: expected more than the longest ramp"),
                                    (("a.csv",), "'a.csv': no file is read")):
-            self.assertIn(message, self.run_it(*arguments, status=2))
+            with self.subTest(arguments):
+                self.assertIn(message, self.run_it(*arguments, status=2))
+
+    def test_threads_that_cannot_be_started(self):
+        def limit():  # stacks of 1000 threads do not fit
+            resource.setrlimit(resource.RLIMIT_AS, (2**30, 2**30))
+        done = subprocess.run([PROGRAMS / self.program, "--threads", "1000", "--histories", "9000", "--out", self.folder / "out"],
+                              capture_output=True, text=True, preexec_fn=limit)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertRegex(done.stderr, r"--threads = 1000: only [0-9]+ could be started: Resource temporarily unavailable")
+
+    def test_writing(self):
+        self.check_writing("--histories", 900)
 
 
 if __name__ == "__main__":
