@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2154,SC2034,SC2164 # variables of ./run, and for it
 # What ./run does before a job, sourced by it: packages, the lock on the build folder, configuring and building.
 # Progress goes to stderr: in one line that moves on a terminal, elsewhere as one line at the start and one at the end.
 

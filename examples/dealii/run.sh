@@ -1,6 +1,7 @@
+# shellcheck shell=bash disable=SC2154,SC2034,SC2164 # variables of ./run, and for it
 # ./run mpi and ./run mpi-bench, sourced by ./run: their arguments, the build where deal.II can be had, the start.
 
-ranks=2 mesh= prm= arguments=()
+ranks=2 mesh="" prm="" arguments=()
 
 mpi_arguments() {
   while [ $# -gt 0 ]; do

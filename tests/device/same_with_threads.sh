@@ -1,3 +1,4 @@
+#!/bin/sh
 # same_with_threads.sh PROGRAM: checks that it prints the same with any number of OpenMP threads.
 one=$(OMP_NUM_THREADS=1 "$1") || exit 1
 echo "1 thread: $one"
