@@ -45,7 +45,10 @@ int main() {
   const double dt = 0.25;  // days
   for (int step = 1; step <= 42 / dt; ++step) {
     const LawUpdate next = update(law, elasticity, F, n0, g, dt);
-    if (!next.ok()) return 1;
+    if (!next.ok()) {
+      std::fprintf(stderr, "no result on day %g\n", step * dt);
+      return 1;
+    }
     g = next.g;
     if (step % 28 == 0)
       std::printf("day %4.1f  cross-section %.4f  P_11 = %.4f kPa\n", step * dt, g, next.P(0, 0));
@@ -66,5 +69,9 @@ int main() {
   }
   std::printf("dP/dF against differences: %.0e of its largest entry\n",
               worst / step.dP_dF.cwiseAbs().maxCoeff());
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
+    std::perror("standard output cannot be written");
+    return 1;
+  }
   return worst < 1e-7 * step.dP_dF.cwiseAbs().maxCoeff() ? 0 : 1;
 }

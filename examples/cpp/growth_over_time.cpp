@@ -12,9 +12,16 @@ int main() {
     Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
     F(0, 0) = stretch;
     const auto next = myogrowth::update(muscle, F, state, dt);
-    if (!next.ok()) return 1;
+    if (!next.ok()) {
+      std::fprintf(stderr, "no result on day %g\n", t);
+      return 1;
+    }
     state = next.state;
     if (step % 60 == 0)
       std::printf("day %4.1f  G = %.5f  lambda_e = %.5f\n", t, state.G, next.point.lambda_e);
+  }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
+    std::perror("standard output cannot be written");
+    return 1;
   }
 }

@@ -43,4 +43,9 @@ int main() {
   }
   std::printf("G of the first point %.5f, of the last %.5f; %td without result; sum of all bits %016llx\n",
               G.front(), G.back(), failed, static_cast<unsigned long long>(sum));
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
+    std::perror("standard output cannot be written");
+    return 1;
+  }
+  return failed == 0 ? 0 : 1;
 }

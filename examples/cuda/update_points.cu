@@ -5,18 +5,22 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <limits>
+#include <new>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "../common/files.hpp"
+#include "../common/rows.hpp"
 #include "many_points.hpp"
 
 using namespace many_points;
 
 // One thread per point. Arrays of one component after the other: the 32 threads of a warp read and write
-// neighbours. At least 4 blocks per multiprocessor, that is up to 128 registers per thread: nothing is spilled.
+// neighbours. At least 4 blocks per multiprocessor, that is up to 128 registers per thread: nothing is
+// spilled.
 constexpr int block_threads = 128, least_blocks = 4;
 template <Tangent tangent, class V>
 __global__ void __launch_bounds__(block_threads, least_blocks)
@@ -31,10 +35,7 @@ __global__ void __launch_bounds__(block_threads, least_blocks)
 
 namespace {
 
-[[noreturn]] void stop(const std::string& message) {
-  std::fprintf(stderr, "update_points: %s\n", message.c_str());
-  std::exit(1);
-}
+[[noreturn]] void stop(const std::string& message) { throw common::Error(message); }
 
 void check(cudaError_t error, const std::string& what) {
   if (error != cudaSuccess) stop(what + ": " + cudaGetErrorString(error));
@@ -96,10 +97,10 @@ const char* const usage =
     "there is no device.\n";
 
 std::size_t count(const std::string& option, const std::string& text, std::size_t most) {
-  char* end = nullptr;
-  const double x = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end || !(x >= 1 && x <= static_cast<double>(most)) || x != std::floor(x))
-    stop(option + " " + text + ": a whole number from 1 to " + std::to_string(most) + " is needed");
+  double x;
+  if (!common::to_number(text, x) || !(x >= 1 && x <= static_cast<double>(most)) || x != std::floor(x))
+    stop(option + " " + common::visible(text) + ": a whole number from 1 to " + std::to_string(most) +
+         " is needed");
   return static_cast<std::size_t>(x);
 }
 
@@ -108,17 +109,17 @@ Options parse(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string option = argv[k];
     if (option == "--help") {
-      std::fputs(usage, stdout);
+      common::print(usage);
       std::exit(0);
     }
     if (option != "--points" && option != "--precision" && option != "--tangent" &&
         option != "--repetitions" && option != "--out")
-      stop("no option " + option + "; --help lists them");
-    if (k + 1 == argc) stop(option + " needs a value");
+      stop("no option " + common::visible(option) + "; --help lists them");
+    if (k + 1 == argc || !*argv[k + 1]) stop(option + " needs a value");
     const std::string text = argv[++k];
     const auto one_of = [&](std::string& to, const char* first, const char* second) {
       if (text != first && text != second && text != "all")
-        stop(option + " " + text + ": must be " + first + ", " + second + " or all");
+        stop(option + " " + common::visible(text) + ": must be " + first + ", " + second + " or all");
       to = text;
     };
     if (option == "--points") o.points = count(option, text, 1000000000);
@@ -130,6 +131,22 @@ Options parse(int argc, char** argv) {
   return o;
 }
 
+/// Refuses points that do not fit into the device's memory or into this machine's, where the system would end
+/// the program without a word.
+template <Tangent tangent, class V>
+void check_memory(std::size_t n) {
+  constexpr double in = 9 + 3 + 1, out = 6 + 1 + tangent_size(tangent), copied = (in + out) / 2 * 2;
+  std::size_t device = 0, all = 0;
+  check(cudaMemGetInfo(&device, &all), "memory of the device");
+  const double here =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  const double most =
+      std::min(static_cast<double>(device) / (in + out + copied), here / (in + 2 * out)) / sizeof(V);
+  if (static_cast<double>(n) > most)
+    stop("--points " + std::to_string(n) + ": at most " + std::to_string(static_cast<std::size_t>(most)) +
+         " fit into memory");
+}
+
 /// Checks and times one case; adds its figures to the JSON. False if device and CPU do not agree.
 template <Tangent tangent, class V>
 bool run(const Options& o, const std::string& device, std::ostringstream& json) {
@@ -137,6 +154,7 @@ bool run(const Options& o, const std::string& device, std::ostringstream& json) 
   const char* const precision = sizeof(V) == 8 ? "fp64" : "fp32";
   const char* const kind = tangent == Tangent::full ? "full" : "compact";
   const FibreGrowth<V> muscle;  // the paper's Table 1
+  check_memory<tangent, V>(n);
   const Inputs<V> in(n);
 
   Results<V> on_cpu(n, tangent), from_device(n, tangent);
@@ -177,11 +195,13 @@ bool run(const Options& o, const std::string& device, std::ostringstream& json) 
   }
   const double time = median(update_times), copy_rate = static_cast<double>(bytes) / median(copy_times);
   const double points = static_cast<double>(n) / time, rate = static_cast<double>(bytes) / time;
-  std::printf(
-      "%s %-7s  %8.1f million points/s  %7.1f GB/s  copy %7.1f GB/s  share %5.1f %%  "
-      "differences %.1e %.1e %.1e%s\n",
-      precision, kind, points * 1e-6, rate * 1e-9, copy_rate * 1e-9, 100 * rate / copy_rate, d.G, d.stress,
-      d.tangent, agree ? "" : "  DIFFERS FROM THE CPU");
+  char line[400];
+  std::snprintf(line, sizeof line,
+                "%s %-7s  %8.1f million points/s  %7.1f GB/s  copy %7.1f GB/s  share %5.1f %%  "
+                "differences %.1e %.1e %.1e%s\n",
+                precision, kind, points * 1e-6, rate * 1e-9, copy_rate * 1e-9, 100 * rate / copy_rate, d.G,
+                d.stress, d.tangent, agree ? "" : "  DIFFERS FROM THE CPU");
+  common::print(line);
   json << (json.tellp() > 0 ? ",\n" : "") << "  {\"device\": \"" << device << "\", \"precision\": \""
        << precision << "\", \"tangent\": \"" << kind << "\", \"points\": " << n
        << ", \"bytes_per_point\": " << sizeof(V) * traffic(tangent) << ", \"points_per_second\": " << points
@@ -192,9 +212,8 @@ bool run(const Options& o, const std::string& device, std::ostringstream& json) 
   return agree;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// All cases that are asked for; false if device and CPU do not agree.
+bool run_all(int argc, char** argv) {
   const Options o = parse(argc, argv);
   int devices = 0;
   const cudaError_t found = cudaGetDeviceCount(&devices);
@@ -202,7 +221,11 @@ int main(int argc, char** argv) {
     stop(std::string("no CUDA device: ") + (found == cudaSuccess ? "none found" : cudaGetErrorString(found)));
   cudaDeviceProp device;
   check(cudaGetDeviceProperties(&device, 0), "device");
-  std::printf("%s, %zu points; differences from the CPU: G, stress, DDSDDE\n", device.name, o.points);
+  // Before the first case, so that what cannot be written is known at once.
+  std::optional<common::Output> file;
+  if (!o.out.empty()) file.emplace(o.out);
+  common::print(std::string(device.name) + ", " + std::to_string(o.points) +
+                " points; differences from the CPU: G, stress, DDSDDE\n");
 
   std::ostringstream json;
   bool agree = true;
@@ -217,10 +240,23 @@ int main(int argc, char** argv) {
     agree &= run<Tangent::full, float>(o, device.name, json);
   if (wanted(o.precision, "fp32") && wanted(o.tangent, "compact"))
     agree &= run<Tangent::compact, float>(o, device.name, json);
-  if (!o.out.empty()) {
-    std::ofstream file(o.out);
-    file << "[\n" << json.str() << "\n]\n";
-    if (!file) stop("cannot write " + o.out);
+  if (file) {
+    *file << "[\n" << json.str() << "\n]\n";
+    file->close();
   }
-  return agree ? 0 : 1;
+  return agree;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    common::Output::standard();  // closed before the first file is opened?
+    return run_all(argc, argv) ? 0 : 1;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "update_points: not enough memory; --points takes fewer\n");
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "update_points: %s\n", e.what());
+  }
+  return 1;
 }

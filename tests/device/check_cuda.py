@@ -30,13 +30,21 @@ class CommandLine(unittest.TestCase):
     def test_bad_input_is_named(self):
         for arguments, words in [(["--points", "0"], "--points 0: a whole number from 1"),
                                  (["--points", "1.5"], "--points 1.5: a whole number"),
+                                 (["--points", "0x10"], "--points 0x10: a whole number"),
+                                 (["--points", "1e18"], "--points 1e18: a whole number from 1 to 1000000000 is needed"),
                                  (["--repetitions", "many"], "--repetitions many: a whole number"),
                                  (["--precision", "fp16"], "--precision fp16: must be fp64, fp32 or all"),
                                  (["--tangent", "none"], "--tangent none: must be full, compact or all"),
-                                 (["--out"], "--out needs a value"), (["--device"], "no option --device")]:
+                                 (["--out"], "--out needs a value"), (["--out", ""], "--out needs a value"), (["--device"], "no option --device")]:
             done = run(*arguments)
             self.assertEqual((done.returncode, done.stdout), (1, ""), arguments)
             self.assertIn(words, done.stderr)
+
+    def test_what_cannot_be_written_is_named(self):
+        with open("/dev/full", "wb") as full:
+            done = subprocess.run([FOLDER / "update_points", "--help"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual((done.returncode, done.stderr),
+                         (1, "update_points: standard output: cannot be written: No space left on device\n"))
 
     def test_no_device(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -64,6 +72,15 @@ class Device(unittest.TestCase):
             out = pathlib.Path(folder) / "results.json"
             done = run("--points", "100000", "--repetitions", "3", "--out", out)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            full = run("--points", "1000", "--repetitions", "1", "--out", "/dev/full")
+            self.assertEqual(full.returncode, 1)
+            self.assertIn("/dev/full: cannot be written: No space left on device", full.stderr)
+            folder_is_no_file = run("--points", "1000", "--out", folder)
+            self.assertEqual((folder_is_no_file.returncode, folder_is_no_file.stdout), (1, ""))
+            self.assertIn("cannot be written: Is a directory", folder_is_no_file.stderr)
+            many = run("--points", "1000000000", "--precision", "fp64", "--tangent", "full")
+            self.assertEqual(many.returncode, 1)
+            self.assertRegex(many.stderr, r"--points 1000000000: at most \d+ fit into memory")
             rows = json.loads(out.read_text())
             self.assertEqual([(r["precision"], r["tangent"]) for r in rows], CASES)
             for row in rows:

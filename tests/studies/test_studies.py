@@ -569,5 +569,20 @@ class Sensitivity(Job):
         self.check_writing("--histories", 900)
 
 
+class Programs(unittest.TestCase):
+    """The programs of examples/cpp."""
+
+    def test_writing(self):
+        for name in ("growth_over_time", "cross_fibre_growth", "threads"):
+            program = PROGRAMS / name
+            if name == "threads" and not program.is_file():
+                continue  # no OpenMP
+            with self.subTest(name), open("/dev/full", "wb") as full:
+                self.assertEqual(subprocess.run([program], stdout=subprocess.DEVNULL).returncode, 0)
+                done = subprocess.run([program], stdout=full, stderr=subprocess.PIPE, text=True)
+                self.assertEqual((done.returncode, done.stderr),
+                                 (1, "standard output cannot be written: No space left on device\n"))
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=1)
