@@ -36,7 +36,9 @@ lock() {  # LOCK FILE, FILE DESCRIPTOR (8 or 9), WHAT IS HELD
   echo "./run $job (process $$)" 2>/dev/null >"$1" || true  # the disk may be full: a compiler says so better
 }
 
+build_locked=
 lock_build() {
+  [ -z "$build_locked" ] || return 0
   local dir=$top/build foreign
   check_path
   if [ ! -e "$dir" ] && ! mkdir -p "$dir" 2>/dev/null; then
@@ -47,17 +49,26 @@ lock_build() {
   [ -z "$foreign" ] || fail "build/ has files of the user $foreign, which you may not write: remove build/"
   [ -w "$dir" ] || fail "$dir cannot be written (read-only?): clone the tree to where you may write, or remove build/"
   lock "$dir/.lock" 9 build/
+  build_locked=yes
 }
 
-unlock_build() { exec 9>&-; }
+unlock_build() {
+  exec 9>&-
+  build_locked=
+}
 
-# The folder of a job's results: by default out/NAME of this tree, of one run at a time; or what the user names, without a lock.
-results() {  # NAME ARGUMENTS
+# The folder of a job's results, as options ($out): out/NAME of this tree, of one run at a time; or what the user names,
+# without a lock.
+results() {  # NAME OPTION ARGUMENTS
   local word
-  out=${root}out/$1
-  for word in "${@:2}"; do
+  out=()
+  for word in "${@:3}"; do
     case "$word" in --out | --out=* | --help | -h | Output/Folder=*) return 0 ;; esac
   done
+  case "$2" in
+    *=) out=("$2${root}out/$1") ;;
+    *) out=("$2" "${root}out/$1") ;;
+  esac
   mkdir -p "$(dirname "$top/out/$1")" 2>/dev/null || fail "cannot make the folder $top/out: name another, or free disk space"
   lock "$top/out/.${1//\//-}.lock" 8 "out/$1/"
 }

@@ -49,8 +49,8 @@ mpi_build() {
 mpi_run() {
   if [ -z "$prm" ]; then
     prm=$top/examples/dealii/biceps.prm
-    results mpi "${arguments[@]}"
-    arguments=("Output/Folder=$out" "${arguments[@]}")
+    results mpi Output/Folder= "${arguments[@]}"
+    arguments=("${out[@]}" "${arguments[@]}")
   fi
   cd "$here"
   exec mpirun -n "$ranks" "$top/build/examples/dealii/muscle" "$prm" "${arguments[@]}"

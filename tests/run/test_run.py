@@ -314,9 +314,10 @@ class Names(Run):
         pictures = f"{t}/examples/common/pictures.py"
         for arguments, said in (
                 (["driver", "case.nml", "--umat", "./lib.so"], f"driver in {here}: case.nml --umat ./lib.so"),
-                (["cube", "--out", "mine"], f"--driver {t}/build/fortran_driver/myogrowth_driver --out {t}/out/cube --out mine"),
+                (["cube", "--out", "mine"], f"python in {here}: {t}/fortran_driver/cube.py --driver {t}/build/fortran_driver/myogrowth_driver --out mine\n"),
+                (["cube"], f"/myogrowth_driver --out {t}/out/cube\n"),
                 (["fit", "mydata.csv", "--out", "here"],
-                 f"python in {here}: {pictures} fit {t}/build/examples/study_fit --out {t}/out/fit/mydata mydata.csv --out here"),
+                 f"python in {here}: {pictures} fit {t}/build/examples/study_fit mydata.csv --out here\n"),
                 (["fit", "--set", "tau=2", "a/b.c.csv"], f"--out {t}/out/fit/b.c --set tau=2 a/b.c.csv"),
                 (["protocol", "a.csv"], f"python in {here}: {pictures} protocol {t}/build/examples/study_protocol --out {t}/out/protocol a.csv"),
                 (["protocol", "--design", "1.1"], f"--out {t}/out/design --design 1.1"),
