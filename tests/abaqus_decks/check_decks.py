@@ -27,6 +27,7 @@ expected, make_cylinder = importlib.import_module("expected"), importlib.import_
 KNOWN = {
     "HEADING": "", "NODE": "NSET", "ELEMENT": "TYPE ELSET", "NSET": "NSET GENERATE", "ELSET": "ELSET GENERATE",
     "SOLID SECTION": "ELSET MATERIAL", "SHELL SECTION": "ELSET MATERIAL POISSON", "TRANSVERSE SHEAR STIFFNESS": "",
+    "HOURGLASS STIFFNESS": "",
     "MATERIAL": "NAME", "DEPVAR": "", "USER MATERIAL": "CONSTANTS UNSYMM", "AMPLITUDE": "NAME TIME",
     "INITIAL CONDITIONS": "TYPE USER", "BOUNDARY": "AMPLITUDE", "STEP": "NAME NLGEOM UNSYMM INC", "STATIC": "",
     "OUTPUT": "FIELD HISTORY FREQUENCY", "ELEMENT OUTPUT": "ELSET", "NODE OUTPUT": "NSET",
@@ -268,7 +269,10 @@ class Deck:
             self.check_user_material(k)
         elif k.name == "INITIAL CONDITIONS":
             self.check_initial_conditions(k)
+        elif k.name == "SOLID SECTION":
+            self.check_hourglass(k, 1)
         elif k.name == "SHELL SECTION":
+            self.check_hourglass(k, 2)
             if self.following(k).name != "TRANSVERSE SHEAR STIFFNESS" or len(self.following(k).numbers()[0]) != 3:
                 self.fault(k, "with a UMAT needs three numbers of *TRANSVERSE SHEAR STIFFNESS")
             if k["POISSON"] and not -1 <= float(k["POISSON"]) <= 0.5:
@@ -276,6 +280,16 @@ class Deck:
 
     def following(self, k):
         return self.keywords[self.keywords.index(k) + 1]
+
+    def check_hourglass(self, k, at_most_after):
+        """Reduced elements have modes without strain. Abaqus holds them by a share of the elastic modulus, which a UMAT does
+        not tell it: the section must say how stiffly."""
+        kinds = {self.elements[label][0] for label in self.members(k, "ELSET", k["ELSET"])}
+        after = self.keywords[self.keywords.index(k) + 1:][:at_most_after]
+        if any(kind.endswith("R") for kind in kinds):
+            stiffness = [next(o.fields(), []) for o in after if o.name == "HOURGLASS STIFFNESS"]
+            if not stiffness or not stiffness[0] or not float(stiffness[0][0]) > 0:
+                self.fault(k, "of reduced elements with a UMAT needs *HOURGLASS STIFFNESS > 0")
 
     def check_amplitude(self, k):
         times = self.amplitudes[k["NAME"]][1]
@@ -461,6 +475,15 @@ class Spoiled(unittest.TestCase):
         self.spoil("2., 1.1,", "2., 1.0,", "PROPS(5) = 1: G_max")
         self.spoil("1.1, 1.01", "1.1, nan", "PROPS(6) = nan: lambda_crit")
         self.spoil("0., 1.\n*AMP", "0., 2.\n*AMP", "PROPS(10) = 2: frame", deck="shell_s4.inp")
+
+    def test_hourglass_stiffness(self):
+        words = "of reduced elements with a UMAT needs *HOURGLASS STIFFNESS > 0"
+        section = "*SOLID SECTION, ELSET=MUSCLE, MATERIAL=MUSCLE\n"
+        reduced = example("cube_c3d8.inp").replace("TYPE=C3D8", "TYPE=C3D8R")
+        for given, right in (("", False), ("*HOURGLASS STIFFNESS\n0.\n", False), ("*HOURGLASS STIFFNESS\n", False),
+                             ("*HOURGLASS STIFFNESS\n0.02\n", True)):
+            faults = Deck(reduced.replace(section, section + given)).faults
+            self.assertNotEqual(any(words in fault for fault in faults), right, faults)
 
     def test_unsymmetric(self):
         self.spoil("CONSTANTS=9, UNSYMM", "CONSTANTS=9", "needs UNSYMM")
