@@ -89,6 +89,8 @@ def check_programs(p, a):
         p.error(f"--ccx = {a.ccx}: must be an executable file")
     if not (a.library_dir / LIBRARY).is_file():
         p.error(f"--library-dir = {a.library_dir}: must be a folder with {LIBRARY}")
+    if os.pathsep in str(a.library_dir.resolve()):
+        p.error(f"--library-dir = {a.library_dir}: must have no '{os.pathsep}' in its whole name, where the linker would cut it")
 
 
 class Interrupted(Exception):

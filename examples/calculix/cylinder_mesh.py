@@ -134,6 +134,8 @@ def swept(cells, layers, disc):
 
 def mesh(size):
     """The mesh of a size in SIZES."""
+    if size not in SIZES:
+        raise files.FileError(f"mesh {size!r}: must be one of {', '.join(SIZES)}")
     return sweep(SIZES[size], layer_levels(SIZES[size].layers, SIZES[size].grading))
 
 

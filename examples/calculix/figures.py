@@ -264,6 +264,11 @@ def draw(out):
     case = kept.read_case(out)
     h = history.read(out / "history.csv")
     fields = kept.arrays(out / "fields.npz", "times", "names", "displacement", "gauss", "muscle")
+    mesh = cylinder_mesh.mesh(case.size)
+    points = 8 * len(mesh.hexes) + 2 * len(mesh.wedges)
+    for name, shape in (("displacement", (len(fields["times"]), len(mesh.nodes), 3)), ("muscle", (points,)),
+                        ("gauss", (len(fields["times"]), points, len(fields["names"])))):
+        kept.demand_shape(out / "fields.npz", name, fields[name], shape)
     stretch = 1 + case.pull / cylinder_mesh.LENGTH
     names = list(NAMES)
     with matplotlib.rc_context(LAYOUT):

@@ -120,12 +120,12 @@ class _Lines:
             self.fail(f"columns {begin + 1} to {end} are {line[begin:end].decode(errors='replace')!r}: expected {expected}",
                       self.line - 1)
 
-    def count(self, line, begin, end, what):
+    def count(self, line, begin, end, what, least=0):
         """A number of things, each of which takes two characters at least."""
         count = self.integer(line, begin, end, f"a number of {what}")
         most = (len(self.text) - self.at) // 2
-        if not 0 <= count <= most:
-            self.fail(f"{count} {what}: must be >= 0 and, by the length of the file, <= {most}", self.line - 1)
+        if not least <= count <= most:
+            self.fail(f"{count} {what}: must be >= {least} and, by the length of the file, <= {most}", self.line - 1)
         return count
 
 
@@ -170,14 +170,14 @@ def _read_field(lines, rows, node_numbers):
     line = lines.next("-4, a field's name")
     if line[:3] != b" -4":
         lines.fail("expected -4, a field's name", lines.line - 1)
-    name, listed = line[5:13].decode().strip(), lines.count(line, 13, 18, "components")
+    name, listed = line[5:13].decode(errors="replace").strip(), lines.count(line, 13, 18, "components", 1)
     components = []
     for _ in range(listed):
         line = lines.next("-5, a component")
         if line[:3] != b" -5":
             lines.fail("expected -5, a component", lines.line - 1)
         if line[33:38].strip() != b"1":  # 1: a norm, of which no values are written
-            components.append(line[5:13].decode().strip())
+            components.append(line[5:13].decode(errors="replace").strip())
     n = len(components)
     if n == 0:
         lines.fail(f"{name} has no components", head)
@@ -217,7 +217,7 @@ def read_frd(path):
             if line[73:75].strip() not in (b"1", b"0") or (key == "3C" and nodes is None) or (key == "100C" and nodes is None):
                 lines.fail("expected text, after the mesh", lines.line - 1)
         if key == "2C":
-            node_numbers, nodes = _read_nodes(lines, lines.count(line, 24, 36, "nodes"))
+            node_numbers, nodes = _read_nodes(lines, lines.count(line, 24, 36, "nodes", 1))
         elif key == "3C":
             elements = _read_elements(lines, lines.count(line, 24, 36, "elements"))
         elif key == "100C":
@@ -303,10 +303,10 @@ class Dat:
             grid = lines.rows(count, 1, [b" "], "three forces")
             if count != 1 or grid.shape[1] != 49:
                 lines.fail("expected one line with three forces", lines.line - count)
-            return Print(name, found["set"].decode(), time, none, none, lines.numbers(grid, 6, 14, 3, float)[0])
+            return Print(name, found["set"].decode(errors="replace"), time, none, none, lines.numbers(grid, 6, 14, 3, float)[0])
         grid = lines.rows(count, 1, [b""], "element, Gauss point, values, as in the lines before")
         width = grid.shape[1] - 15
         if width <= 0 or width % 14:
             lines.fail("expected element (10 characters), Gauss point (4), values (14 each)", lines.line - count)
         elements, points = (lines.numbers(grid, begin, size, 1, int)[:, 0] for begin, size in ((0, 10), (10, 4)))
-        return Print(name, found["set"].decode(), time, elements, points, lines.numbers(grid, 14, 14, width // 14, float))
+        return Print(name, found["set"].decode(errors="replace"), time, elements, points, lines.numbers(grid, 14, 14, width // 14, float))

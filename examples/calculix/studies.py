@@ -66,8 +66,10 @@ def mesh_of(size):
     """A mesh of cylinder_mesh.SIZES by its name, or `edge 0.5`, or `edge 0.5 at 20`."""
     if size in cylinder_mesh.SIZES:
         return cylinder_mesh.mesh(size)
-    edge, *interface = re.findall(r"[\d.]+", size)
-    return edge_mesh(float(edge), *map(float, interface))
+    found = re.fullmatch(r"edge (\d+(?:\.\d+)?)(?: at (\d+(?:\.\d+)?))?", size)
+    if not found:
+        raise files.FileError(f"mesh {size!r}: must be one of {', '.join(cylinder_mesh.SIZES)}, or edge NUMBER [at NUMBER]")
+    return edge_mesh(*(float(x) for x in found.groups() if x))
 
 
 # ---- Runs

@@ -446,11 +446,12 @@ class Frd(Folder):
         self.bad(text.replace("6.00000E+00-6", "   Infinity-6"), 27, "expected a finite number")
         self.bad(text.replace("1.000000000 ", "        nan ", 1), 16, "expected a time")
         self.bad(text.replace(" -1        20 2.00000E+00", " -1        10 2.00000E+00", 1), 16, "DISP is written twice for a node")
+        self.bad(text.replace("2C                             6", "2C                             0"), 3, "0 nodes: must be >= 1")
         for count in ("999999999", "       -1"):
             for line, what in ((3, "nodes"), (11, "elements"), (16, "nodes")):
                 lines = text.splitlines(keepends=True)
                 lines[line - 1] = lines[line - 1][:24] + count.rjust(12) + lines[line - 1][36:]
-                self.bad("".join(lines), line, f"{count.strip()} {what}: must be >= 0 and, by the length of the file, <= ")
+                self.bad("".join(lines), line, f"{count.strip()} {what}: must be >= {int(line == 3)} and, by the length of the file, <= ")
 
     def test_ends_of_lines_of_two_characters(self):
         path = self.folder / "dos.frd"
@@ -588,6 +589,9 @@ class History(Folder):
                 ("fields.npz", npz(times=np.array([None, 7.0])), "is damaged or cut"),
                 ("case.json", good["case.json"][:-9], "case.json:1: column"), ("case.json", b"[]", "case.json: expected an object"),
                 ("case.json", good["case.json"].replace(b'"pull"', b'"push"'), "case.json: pull is missing"),
+                ("case.json", good["case.json"].replace(b"40.0", b"NaN"), "case.json: pull = nan: expected a finite number"),
+                ("case.json", good["case.json"].replace(b"clamped", b"clamqed"), "case.json: ends = 'clamqed': expected one of clamped"),
+                ("case.json", good["case.json"].replace(b"tiny", b"edge x"), "mesh 'edge x': must be one of tiny, "),
                 ("case.json", good["case.json"].replace(b"40.0", b'"far"'), "case.json: pull = 'far': expected a number")):
             for path, text in good.items():
                 (self.folder / path).write_bytes(text)
