@@ -4,6 +4,10 @@
 ranks=2 mesh="" prm="" arguments=()
 
 mpi_arguments() {
+  if [ "$job" = mpi-bench ]; then
+    [[ $# -eq 0 || ($# -eq 1 && "$1" =~ ^PART=(loops|krylov|ranks|weak)(,(loops|krylov|ranks|weak))*$) ]] ||
+      usage "expected PART= and some of loops,krylov,ranks,weak, found '$*'"
+  fi
   while [ $# -gt 0 ]; do
     case "$1" in
       --ranks | --prm | --mesh)

@@ -141,6 +141,9 @@ class Help(Run):
         for option in ("--ranks", "--prm", "--mesh"):
             self.refuses(f"{option} needs a value", "mpi", option)
         self.refuses("no option 'x'", "mpi", "x")
+        for arguments in (["--ranks", "2"], ["PART=all"], ["PART=loops", "PART=weak"]):
+            self.refuses("expected PART= and some of loops,krylov,ranks,weak, found '" + " ".join(arguments), "mpi-bench", *arguments)
+        self.refuses("no option '--fast' \\(--update\\)", "instructions", "--fast")
         self.refuses("--ranks 0: must be", "mpi", "--ranks", "0")
         self.assertEqual(self.logged(), [])
 
