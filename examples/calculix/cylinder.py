@@ -194,12 +194,15 @@ def run_leg(a, folder, name, mesh, gauss, end, progress):
 def start_folder(a, case):
     """The folder of ccx's files, empty but for what --resume goes on from. No results are left in a.out until this run
     has its own."""
+    programs = kept.programs(a.ccx, a.library_dir / LIBRARY)
     if a.resume:
         if not (a.out / "case.json").is_file():
             raise JobError(f"--resume: there is no run in {a.out}")
         different = kept.differences(kept.read_case(a.out), case)
         if different:
             raise JobError(f"--resume: the run in {a.out} has {different}")
+        for name in kept.changed_programs(a.out, programs):
+            print(f"warning: {name} is not the one that this run was begun with", file=sys.stderr)
     files.make_folder(a.out)
     folder = files.make_folder(a.out / "ccx")
     files.lock(folder / "lock")
@@ -208,6 +211,7 @@ def start_folder(a, case):
     if not a.resume:
         files.remove(folder.glob("leg*"))
         kept.write_case(a.out, case)
+        kept.write_programs(a.out, programs)
     return folder
 
 

@@ -43,6 +43,22 @@ def differences(old, new):
     return "; ".join(f"{name} = {was}, not {now}" for name, was, now in zip(deck.Case._fields, old, new) if was != now)
 
 
+def programs(ccx, library):
+    """What makes a run beside its case: the two programs, by the digests of their files."""
+    return {path.name: digest(files.read_bytes(path)) for path in (ccx, library)}
+
+
+def write_programs(folder, now):
+    files.write_json(folder / "programs.json", now)
+
+
+def changed_programs(folder, now):
+    """The names of the programs that are not those that the run in a folder was made with."""
+    path = folder / "programs.json"
+    then = files.read_json(path) if path.is_file() else now
+    return [name for name in now if then.get(name) != now[name]]
+
+
 def arrays(path, *names):
     """The arrays of a .npz by their names; those of numbers are finite."""
     content = io.BytesIO(files.read_bytes(path))

@@ -166,6 +166,11 @@ def do_all(a, cases):
             for name, case in cases.items()]
     waiting = [job for job in jobs if not is_done(job)]
     print(f"{len(jobs)} runs, {len(jobs) - len(waiting)} of them kept in {a.out}/", flush=True)
+    programs = kept.programs(a.ccx, a.library_dir / cylinder.LIBRARY)
+    older = [job.name for job in jobs if job not in waiting and kept.changed_programs(job.folder, programs)]
+    if older:
+        print(f"warning: made with another ccx or {cylinder.LIBRARY}: {'; '.join(older)}. Remove their folders in {a.out}/ to have "
+              "them made again", file=sys.stderr)
     if waiting:
         # Ctrl-C or a request to end: SystemExit, so that the worker ends its ccx and itself.
         with multiprocessing.Pool(min(a.jobs, len(waiting)), leave_on_signals) as pool:

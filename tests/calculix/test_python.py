@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import types
 import unittest
 
 import numpy as np
@@ -831,6 +832,20 @@ class Options(Folder):
             self.assertFalse(studies.is_done(job))
         self.assertIn("the run there has pull = 40.0, not 36.0: it is made anew", said.getvalue())
 
+    def test_kept_runs_of_another_library(self):
+        studies, case = importlib.import_module("studies"), deck.Case("tiny", duration=7.0)
+        kept_run = self.folder / "out" / "one"
+        kept_run.mkdir(parents=True)
+        made_up_run(kept_run, case)
+        a = types.SimpleNamespace(out=self.folder / "out", ccx=self.ccx, library_dir=self.folder, jobs=1)
+        programs = kept.programs(self.ccx, self.folder / "libMYOGROWTH.so")
+        for made_with, words in ((programs, ""), ({**programs, "libMYOGROWTH.so": "older"},
+                                                  "warning: made with another ccx or libMYOGROWTH.so: one. Remove")):
+            kept.write_programs(kept_run, made_with)
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(studies.do_all(a, {"one": case}), {"one": kept_run})
+            self.assertEqual(said.getvalue()[:len(words) or None], words)
+
     def test_no_results(self):
         self.ccx.write_text("#!/bin/sh\necho nothing to do\n")
         done = self.call()
@@ -1082,6 +1097,9 @@ class Job(Folder):
         done = resumed(lambda ccx: None)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual((self.folder / "harmed" / "history.csv").read_text(), history_csv)
+        done = resumed(lambda ccx: (ccx.parent / "programs.json").write_text('{"ccx": "another"}'))
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.stderr.count("is not the one that this run was begun with"), 2)
 
     def test_ends_and_options(self):
         peaks = {}
