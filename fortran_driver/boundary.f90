@@ -53,7 +53,7 @@ contains
         end do
       end associate
     end do
-    call check_rigid_motion(s%file, b, bc)
+    call check_rigid_motion(s%file, bc)
   end subroutine new_boundary
 
   pure logical function on_face(node, face)
@@ -171,10 +171,10 @@ contains
                   ", name = '"//face_names(b%face)//"', direction = '"//axis_names(b%direction)//"', "//place)
   end subroutine contradiction
 
-  ! A rigid motion is left if a combination of the six moves no prescribed degree of freedom.
-  subroutine check_rigid_motion(file, b, bc)
+  ! A rigid motion is left if a combination of the six moves no prescribed degree of freedom. Whether there is one
+  ! does not depend on the edge lengths, so a cube serves for bricks of any shape.
+  subroutine check_rigid_motion(file, bc)
     character(len=*), intent(in) :: file
-    type(brick), intent(in) :: b
     type(boundary_conditions), intent(in) :: bc
     character(len=*), parameter :: motion(6) = [character(len=19) :: &
       'translation along x', 'translation along y', 'translation along z', &
@@ -186,7 +186,7 @@ contains
 
     modes = 0
     do node = 1, n_nodes
-      X = corner(:, node)*b%size/maxval(b%size)
+      X = corner(:, node)
       do axis = 1, 3
         n = modulo(axis, 3) + 1
         m = modulo(n, 3) + 1

@@ -4,12 +4,14 @@ A cube of muscle with its fibre along the pull is stretched in a ramp and held; 
 is then the stretch of the cube, and eq. 4 an ordinary differential equation that needs no finite elements.
 """
 import argparse
-import csv
 import pathlib
 import subprocess
 import sys
 
+import numpy as np
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "examples/common"))
+import files  # noqa: E402
 from eq4 import exact, stretch  # noqa: E402
 
 CASE = """! The paper's cube test, written by ./run cube
@@ -33,65 +35,93 @@ CASE = """! The paper's cube test, written by ./run cube
   print_every = {print_every!r}
 /
 """
+FILES = ("cube.nml", "history.csv", "newton.log", "fig2_elastic_stretch.png", "fig4_sarcomere_number.png")
+COLUMNS = "time,G,lambda_e,lambda,J,Je,s11,s22,s33,s12,s13,s23,reaction,iterations".split(",")
+MOST_INCREMENTS = 100_000
+
+
+def folder(text):
+    if not text:
+        raise argparse.ArgumentTypeError("the name of a folder is empty")
+    return pathlib.Path(text)
+
+
+class Once(argparse.Action):
+    """An option that is given twice is an error: which of the two is meant?"""
+
+    def __call__(self, parser, namespace, value, option_string=None):
+        given = vars(namespace).setdefault("given", set())
+        if self.dest in given:
+            parser.error(f"{option_string} is given twice")
+        given.add(self.dest)
+        setattr(namespace, self.dest, value)
 
 
 def arguments():
-    p = argparse.ArgumentParser(prog="./run cube", description=__doc__.split("\n\n")[1],
-                                formatter_class=argparse.ArgumentDefaultsHelpFormatter)
-    p.add_argument("--stretch", type=float, default=1.10, help="stretch that is held [-]")
-    p.add_argument("--ramp", type=float, default=1.0, help="time of the ramp to it; 0: at once [days]")
-    p.add_argument("--duration", type=float, default=42.0, help="end of the test [days]")
-    p.add_argument("--step", type=float, default=0.01, help="time increment [days]")
-    p.add_argument("--c1", type=float, default=16.0, help="first Lame constant [kPa]")
-    p.add_argument("--c2", type=float, default=4.0, help="second Lame constant [kPa]")
-    p.add_argument("--tau", type=float, default=0.5, help="time constant of growth [days]")
-    p.add_argument("--gamma", type=float, default=2.0, help="shape exponent [-]")
-    p.add_argument("--G-max", dest="G_max", type=float, default=1.1, help="largest sarcomere number [-]")
-    p.add_argument("--lambda-crit", dest="lambda_crit", type=float, default=1.01,
-                   help="elastic stretch above which sarcomeres are added [-]")
-    p.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/cube"), help="folder of the results")
+    p = argparse.ArgumentParser(prog="./run cube", description=__doc__.split("\n\n")[1], allow_abbrev=False,
+                                formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+                                epilog="Exit status: 0 done, 1 a file cannot be read or written, 2 an option is wrong; "
+                                       "else the driver's: 1 a parameter is wrong, 2 the run could not be finished, "
+                                       "3 a result could not be written.")
+
+    def add(option, default, text, **more):
+        p.add_argument(option, action=Once, type=more.pop("type", files.number()), default=default, help=text, **more)
+
+    add("--stretch", 1.10, "stretch that is held [-]", type=files.number(above=0))
+    add("--ramp", 1.0, "time of the ramp to it; 0: at once [days]", type=files.number(0))
+    add("--duration", 42.0, "end of the test [days]", type=files.number(above=0))
+    add("--step", 0.01, "time increment [days]", type=files.number(above=0))
+    add("--c1", 16.0, "first Lame constant [kPa]")
+    add("--c2", 4.0, "second Lame constant [kPa]")
+    add("--tau", 0.5, "time constant of growth [days]")
+    add("--gamma", 2.0, "shape exponent [-]")
+    add("--G-max", 1.1, "largest sarcomere number [-]", dest="G_max")
+    add("--lambda-crit", 1.01, "elastic stretch above which sarcomeres are added [-]", dest="lambda_crit")
+    add("--out", pathlib.Path("out/cube"), "folder of the results", type=folder)
     p.add_argument("--driver", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
     a = p.parse_args()
-    for name in ("stretch", "step", "duration"):
-        if not getattr(a, name) > 0:
-            p.error(f"--{name} = {getattr(a, name)}: must be > 0")
-    if not 0 <= a.ramp <= a.duration:
-        p.error(f"--ramp = {a.ramp}: must be between 0 and --duration = {a.duration}")
+    if a.ramp > a.duration:
+        p.error(f"--ramp = {a.ramp}: must be at most --duration = {a.duration}")
+    if not a.duration / MOST_INCREMENTS <= a.step <= a.duration:
+        p.error(f"--step = {a.step}: must be between --duration/{MOST_INCREMENTS} and --duration = {a.duration}")
     return a
 
 
 def run(a):
-    a.out.mkdir(parents=True, exist_ok=True)
+    """The columns of the history that this run has written."""
+    files.make_folder(a.out)
+    files.remove(a.out / name for name in FILES)
     case = a.out / "cube.nml"
     if a.ramp > 0:
         times, values = f"0.0, {a.ramp!r}", f"0.0, {a.stretch - 1!r}"
     else:
         times, values = "0.0", f"{a.stretch - 1!r}"
-    case.write_text(CASE.format(times=times, values=values, print_every=a.duration / 14, **vars(a)))
+    files.write_text(case, CASE.format(times=times, values=values, print_every=a.duration / 14, **vars(a)))
     status = subprocess.run([a.driver, case, "--out", a.out]).returncode
+    if status < 0:
+        raise files.FileError(f"{a.driver}: {files.ended(status)}")
     if status:
         sys.exit(status)
-    with open(a.out / "history.csv", encoding="utf-8") as f:
-        return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(f)]
+    history = a.out / "history.csv"
+    rows = {name: np.array(values) for name, values in files.read_columns(history, COLUMNS).items()}
+    if abs(rows["time"][-1] - a.duration) > 1e-9 * a.duration:
+        raise files.FileError(f"{history}: ends at time {rows['time'][-1]:g}, not at --duration = {a.duration:g}")
+    return rows
 
 
 def compare(a, rows, G):
     """A table of the computed values beside the exact ones."""
-    peak = max(range(len(rows)), key=lambda i: rows[i]["lambda_e"])
-    i_exact = max(range(len(rows)), key=lambda i: stretch(a, rows[i]["time"]) / G[i])
-
-    def at(day):
-        return min(range(len(rows)), key=lambda i: abs(rows[i]["time"] - day))
-
-    lines = [("peak lambda_e", rows[peak]["lambda_e"], stretch(a, rows[i_exact]["time"]) / G[i_exact])]
+    time, computed = rows["time"], rows["lambda_e"]
+    reference = np.array([stretch(a, t) for t in time]) / G
+    lines = [("peak lambda_e", computed.max(), reference.max())]
     for day in sorted({14.0, a.duration}):
+        i = np.abs(time - day).argmin()
         if day <= a.duration:
-            i = at(day)
-            lines.append((f"lambda_e, day {day:g}", rows[i]["lambda_e"], stretch(a, rows[i]["time"]) / G[i]))
-    lines.append((f"G, day {a.duration:g}", rows[-1]["G"], G[-1]))
+            lines.append((f"lambda_e, day {time[i]:g}", computed[i], reference[i]))
+    lines.append((f"G, day {a.duration:g}", rows["G"][-1], G[-1]))
     print(f"\n{'against the exact solution':28}{'computed':>10}{'exact':>10}{'difference':>12}")
-    for name, computed, reference in lines:
-        print(f"{name:28}{computed:10.5f}{reference:10.5f}{computed - reference:12.1e}")
+    for name, value, right in lines:
+        print(f"{name:28}{value:10.5f}{right:10.5f}{value - right:12.1e}")
 
 
 def draw(a, rows, G):
@@ -100,17 +130,16 @@ def draw(a, rows, G):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    t = [r["time"] for r in rows]
+    t = rows["time"]
     held = f"{100 * (a.stretch - 1):g} % stretch" + (f", ramped over {a.ramp:g} d and held" if a.ramp else ", held")
     law = rf"$\tau$ = {a.tau:g} d, $\gamma$ = {a.gamma:g}, $G_{{max}}$ = {a.G_max:g}, $\lambda_{{crit}}$ = {a.lambda_crit:g}"
     step = rf"backward Euler, $\Delta t$ = {a.step:g} d"
-    points = slice(0, None, max(1, len(rows) // 60))
-    early = [i for i, time in enumerate(t) if time <= 2 * a.ramp][:: max(1, int(0.1 * max(a.ramp, 1e-9) / a.step))]
+    early = np.flatnonzero(t <= 2 * a.ramp)
+    shown = np.union1d(np.arange(0, len(t), max(1, len(t) // 60)), early[:: max(1, len(early) // 20)])
 
     def figure(name, column, reference, label, title, lines):
         fig, ax = plt.subplots(figsize=(6.4, 4.2), dpi=130)
-        shown = sorted(set(range(len(rows))[points]) | set(early))
-        ax.plot([t[i] for i in shown], [rows[i][column] for i in shown], "o", ms=3.5, color="#b3331d",
+        ax.plot(t[shown], rows[column][shown], "o", ms=3.5, color="#b3331d",
                 label=f"one-element test, {step}")
         ax.plot(t, reference, "--", lw=1.4, color="#1d3f72", label="exact solution of eq. 4")
         for value, text, offset in lines:
@@ -126,7 +155,8 @@ def draw(a, rows, G):
         ax.grid(alpha=0.25)
         ax.legend(loc="center right", fontsize=8.5, frameon=False)
         fig.tight_layout()
-        fig.savefig(a.out / name)
+        with files.writing(a.out / name) as part:
+            fig.savefig(part)
         plt.close(fig)
 
     figure("fig2_elastic_stretch.png", "lambda_e", [stretch(a, s) / g for s, g in zip(t, G)],
@@ -141,11 +171,12 @@ def draw(a, rows, G):
 def main():
     a = arguments()
     rows = run(a)
-    G = exact(a, [r["time"] for r in rows])
+    G = exact(a, rows["time"])
     compare(a, rows, G)
     draw(a, rows, G)
-    print(f"\n{a.out}/: cube.nml, history.csv, newton.log, fig2_elastic_stretch.png, fig4_sarcomere_number.png")
+    print(f"\n{a.out}/: {', '.join(FILES)}")
 
 
 if __name__ == "__main__":
-    main()
+    with files.faults_in_one_line("./run cube", KeyboardInterrupt, ImportError, ValueError):
+        main()

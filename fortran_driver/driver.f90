@@ -1,13 +1,14 @@
 ! myogrowth_driver: one finite element, or one material point, around an Abaqus UMAT.
 program driver
-  use, intrinsic :: iso_fortran_env, only: dp => real64, output_unit
+  use, intrinsic :: iso_fortran_env, only: dp => real64
+  use files, only: start_output, say
   use input, only: settings, read_input, default_run
   use material_point, only: material
   use output, only: report, open_report
-  use prescribed_path, only: run_path
+  use prescribed_path, only: path, read_path, run_path
   use replay, only: run_replay
   use solver, only: run_element
-  use text, only: str, stop_run, status_input
+  use text, only: visible, stop_run, status_input
   use umat_interface, only: umat, load_umat
   implicit none
   save  ! or the leak checker takes for lost what the program still holds at its end
@@ -18,9 +19,11 @@ program driver
   type(settings) :: s
   type(material) :: m
   type(report) :: r
+  type(path) :: p
   logical :: quiet
 
   call read_command_line()
+  call start_output(quiet)
   if (input_file == '') then
     call default_run(s)
   else
@@ -28,16 +31,19 @@ program driver
   end if
   if (folder /= '') s%folder = folder
   if (umat_file /= '') s%umat_file = umat_file
+  if (s%print_every <= 0) s%print_every = s%duration/20
   call set_material()
   if (replay_file /= '') then
     call run_replay(replay_file, m%umat)
   else if (path_file == '') then
-    call open_report(s%folder, quiet, s%log_residuals, s%print_every, r)
+    call open_report(s%folder, quiet, s%log_residuals, .false., s%print_every, r)
     call run_element(s, m, r)
   else
-    call open_report(s%folder, quiet, .false., 0.0_dp, r)  ! every row is printed
-    call run_path(path_file, m, s%folder, r)
+    p = read_path(path_file)
+    call open_report(s%folder, quiet, .false., .true., 0.0_dp, r)  ! every row is printed
+    call run_path(p, m, r)
   end if
+  call r%close()
 
 contains
 
@@ -61,17 +67,19 @@ contains
       case ('--quiet')
         quiet = .true.
       case ('--out')
-        folder = value_after(i)
+        call take_value(i, folder)
       case ('--umat')
-        umat_file = value_after(i)
+        call take_value(i, umat_file)
       case ('--path')
-        path_file = value_after(i)
+        call take_value(i, path_file)
       case ('--replay')
-        replay_file = value_after(i)
+        call take_value(i, replay_file)
       case default
         if (index(argument, '-') == 1) then
-          call stop_run(status_input, name//': unknown option '//argument//'; known: '//options)
-        else if (input_file /= '' .or. argument == '') then
+          call stop_run(status_input, name//': unknown option '//visible(argument)//'; known: '//options)
+        else if (argument == '') then
+          call stop_run(status_input, name//': an argument is empty; expected INPUT.nml or an option: '//options)
+        else if (input_file /= '') then
           call stop_run(status_input, name//': one input file, found "'//input_file//'" and "'//argument//'"')
         end if
         input_file = argument
@@ -80,6 +88,8 @@ contains
     end do
     if (replay_file /= '' .and. (input_file /= '' .or. path_file /= '')) then
       call stop_run(status_input, name//': --replay goes without INPUT.nml and --path')
+    else if (replay_file /= '' .and. quiet) then
+      call stop_run(status_input, name//': --replay goes without --quiet: it only prints')
     end if
   end subroutine read_command_line
 
@@ -94,15 +104,20 @@ contains
   end function argument_at
 
   ! The value of the option at i, which moves on to it.
-  function value_after(i) result(argument)
+  subroutine take_value(i, value)
     integer, intent(inout) :: i
-    character(len=:), allocatable :: argument
+    character(len=:), allocatable, intent(inout) :: value
+    character(len=:), allocatable :: option
 
+    option = argument_at(i)
+    if (value /= '') call stop_run(status_input, name//': '//option//' is given twice')
     i = i + 1
-    argument = ''
-    if (i <= command_argument_count()) argument = argument_at(i)
-    if (argument == '') call stop_run(status_input, name//': '//argument_at(i - 1)//' needs a value')
-  end function value_after
+    if (i <= command_argument_count()) value = argument_at(i)
+    if (value == '') call stop_run(status_input, name//': '//option//' needs a value')
+    if (index(value, '--') == 1) then
+      call stop_run(status_input, name//': '//option//' needs a value, found the option '//visible(value))
+    end if
+  end subroutine take_value
 
   subroutine set_material()
     character(len=:), allocatable :: message
@@ -118,7 +133,7 @@ contains
   end subroutine set_material
 
   subroutine print_help()
-    character(len=*), parameter :: text(20) = [character(len=100) :: &
+    character(len=*), parameter :: text(21) = [character(len=100) :: &
       'usage: myogrowth_driver [INPUT.nml] [options]', &
       '', &
       'Leads one 8-node brick through the loading in INPUT.nml, as an implicit finite-element code would:', &
@@ -138,10 +153,14 @@ contains
       'Groups in INPUT.nml, all optional: &material, &element, &time, &face (repeated), &solver, &output;', &
       'the files in fortran_driver/cases explain them.', &
       '', &
-      'Exit status: 0 done, 1 something in the input is wrong, 2 the run could not be finished.']
+      'Exit status: 0 done, 1 something in the input is wrong, 2 the run could not be finished,', &
+      '3 a result could not be written.']
     integer :: i
 
-    write (output_unit, '(a)') (trim(text(i)), i=1, size(text))
+    call start_output(.false.)
+    do i = 1, size(text)
+      call say(trim(text(i)))
+    end do
   end subroutine print_help
 
 end program driver

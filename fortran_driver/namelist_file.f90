@@ -1,16 +1,28 @@
-! A file of namelist groups taken apart into assignments that know their line, since the compiler's own
-! namelist messages do not: each assignment is then read by itself.
+! A file of namelist groups, taken apart into assignments whose values know their line and column. The compiler's
+! own reading of namelists names neither, and takes 0;5 for 0, fast for .false. and the last of two assignments.
 module namelist_file
-  use text, only: string, read_line, lower, str, stop_run, status_input
+  use, intrinsic :: iso_fortran_env, only: dp => real64
+  use files, only: text_file, read_file
+  use text, only: lower, str, visible, read_number, stop_run, status_input
   implicit none
   private
-  public :: group, assignment, read_groups
+  public :: group, read_groups, most_values
 
+  integer, parameter :: most_values = 1000  ! of one variable
+
+  type :: word
+    character(len=:), allocatable :: text  ! empty between two commas
+    integer :: line, column
+  end type word
+
+  ! NAME = VALUES or NAME(FIRST) = VALUES
   type :: assignment
-    character(len=:), allocatable :: name   ! lower case, without subscript
-    character(len=:), allocatable :: text   ! as in the file, comments removed: NAME = VALUES
-    character(len=:), allocatable :: values
+    character(len=:), allocatable :: name    ! lower case
+    integer :: first = 0                     ! the subscript; 0: none
     integer :: line
+    character(len=:), allocatable :: values  ! as in the file, for messages
+    type(word), allocatable :: word(:)
+    logical :: after_comma = .true.          ! or after the = sign: the next comma has no value before it
   end type assignment
 
   type :: group
@@ -18,216 +30,366 @@ module namelist_file
     integer :: line
     type(assignment), allocatable :: item(:)
   contains
-    procedure :: record, check_read, fail, fail_at
+    procedure :: check_names, numbers, number, whole, flag, quoted, has, fail, fail_at
   end type group
 
 contains
 
-  subroutine read_groups(file, groups)
-    character(len=*), intent(in) :: file
+  subroutine read_groups(name, groups)
+    character(len=*), intent(in) :: name
     type(group), allocatable, intent(out) :: groups(:)
-    character(len=:), allocatable :: raw, line
-    type(assignment) :: no_items(0)
+    integer, parameter :: most_groups = 1000
+    character(len=:), allocatable :: raw, line, hidden
+    type(text_file) :: file
     type(group) :: g
-    character(len=256) :: message
-    integer :: unit, status, number, finish
+    integer :: start, finish
     logical :: inside
 
-    open (newunit=unit, file=file, status='old', action='read', iostat=status, iomsg=message)
-    if (status /= 0) call stop_run(status_input, file//': cannot be opened: '//trim(message))
+    file = read_file(name)
     allocate (groups(0))
     inside = .false.
-    number = 0
-    do
-      call read_line(unit, raw, status)
-      if (status /= 0) exit
-      number = number + 1
-      line = content(raw, file, number)
-      if (len(line) == 0) cycle
-      if (line(1:1) == '&') then
-        if (inside) call g%fail_at(g%line, 'is not closed by / before line '//str(number))
+    do while (file%read_line(raw))
+      call prepare(file, raw, line, hidden)
+      start = verify(hidden, ' ')
+      if (start == 0) cycle
+      if (hidden(start:start) == '&') then
+        if (inside) call g%fail_at(g%line, 'is not closed by / before line '//str(file%number))
+        if (size(groups) == most_groups) call file%stop_at('more than '//str(most_groups)//' groups')
         inside = .true.
-        finish = scan(line//' ', ' /') - 1
-        g%file = file
-        g%name = lower(line(2:finish))
-        g%line = number
-        g%item = no_items
-        line = adjustl(line(finish + 1:))
+        finish = start + scan(hidden(start:)//' ', ' /') - 1
+        g%file = name
+        g%name = lower(line(start + 1:finish - 1))
+        g%line = file%number
+        if (allocated(g%item)) deallocate (g%item)
+        allocate (g%item(0))
+        start = finish
       else if (.not. inside) then
-        call stop_run(status_input, file//':'//str(number)//': "'//trim(line)// &
-                      '": text outside a group; a group is &NAME ... /')
+        call file%stop_at('"'//visible(trim(line(start:)))//'": text outside a group; a group is &NAME ... /')
       end if
-      finish = scan(masked(line), '/')
-      if (finish == 0) then
-        call add(g, trim(line), number)
-        cycle
-      end if
-      call add(g, line(:finish - 1), number)
-      if (len_trim(line(finish + 1:)) > 0) then
-        call g%fail_at(number, 'text after the closing /: "'//trim(adjustl(line(finish + 1:)))// &
+      finish = index(hidden(start:)//'/', '/') + start - 1
+      call add(g, line(:finish - 1), hidden(:finish - 1), start, file%number)
+      if (finish > len(line)) cycle
+      start = finish + verify(hidden(finish + 1:)//'.', ' ')
+      if (start <= len(line)) then
+        call g%fail_at(file%number, 'text after the closing /: "'//visible(trim(line(start:)))// &
                        '" (a / inside a text needs quotes)')
       end if
       groups = [groups, g]
       inside = .false.
     end do
-    close (unit)
     if (inside) call g%fail_at(g%line, 'is not closed by / before the end of the file')
   end subroutine read_groups
 
-  ! Appends the assignments in one line of a group; what precedes the first continues the line before.
-  subroutine add(g, line, number)
-    type(group), intent(inout) :: g
-    character(len=*), intent(in) :: line
-    integer, intent(in) :: number
-    character(len=:), allocatable :: hidden, head
-    type(assignment) :: next_item
-    integer :: start, finish, equals, next
-
-    hidden = masked(line)
-    equals = scan(hidden, '=')
-    start = len(line) + 1
-    if (equals > 0) start = name_start(hidden, equals)
-    head = trim(adjustl(line(:start - 1)))
-    if (len(head) > 0) then
-      if (size(g%item) == 0) call g%fail_at(number, '"'//head//'": must be NAME = VALUE')
-      associate (last => g%item(size(g%item)))
-        last%text = last%text//' '//head
-        last%values = last%values//' '//head
-      end associate
-    end if
-    do while (equals > 0)
-      if (start == equals) call g%fail_at(number, '"'//line//'": must be NAME = VALUE')
-      next = scan(hidden(equals + 1:), '=')
-      finish = len(line)
-      if (next > 0) then
-        next = equals + next
-        finish = name_start(hidden, next) - 1
-      end if
-      next_item%name = lower(trim(hidden(start:start + scan(hidden(start:equals), ' (=') - 2)))
-      next_item%text = line(start:finish)
-      next_item%values = trim(adjustl(line(equals + 1:finish)))
-      next_item%line = number
-      g%item = [g%item, next_item]
-      equals = next
-      start = finish + 1
-    end do
-  end subroutine add
-
-  ! Where the NAME or NAME(SUBSCRIPT) before the = sign begins.
-  pure function name_start(line, equals) result(start)
-    character(len=*), intent(in) :: line
-    integer, intent(in) :: equals
-    integer :: start, finish
-
-    finish = len_trim(line(:equals - 1))
-    start = finish + 1
-    if (finish == 0) then
-      start = equals
-      return
-    end if
-    if (line(finish:finish) == ')') start = max(1, scan(line(:finish), '(', back=.true.))
-    do while (start > 1)
-      if (scan(lower(line(start - 1:start - 1)), 'abcdefghijklmnopqrstuvwxyz0123456789_') == 0) exit
-      start = start - 1
-    end do
-    if (start > finish) start = equals
-  end function name_start
-
-  ! The line with all that is in quotes made into quotation marks, so that searches see only syntax.
-  pure function masked(line) result(hidden)
-    character(len=*), intent(in) :: line
-    character(len=len(line)) :: hidden
+  ! line: the line without comment, and without tabs outside quotes. hidden: the same with quotation marks for all
+  ! that is in quotes, so that searches see only syntax.
+  subroutine prepare(file, raw, line, hidden)
+    type(text_file), intent(in) :: file
+    character(len=*), intent(in) :: raw
+    character(len=:), allocatable, intent(out) :: line, hidden
     character :: quote
-
-    call mask(line, hidden, quote)
-  end function masked
-
-  ! quote: the one still open at the end of the line, blank if there is none.
-  pure subroutine mask(line, hidden, quote)
-    character(len=*), intent(in) :: line
-    character(len=len(line)), intent(out) :: hidden
-    character, intent(out) :: quote
     integer :: i
 
-    hidden = line
+    line = raw
+    hidden = raw
     quote = ' '
-    do i = 1, len(line)
+    do i = 1, len(raw)
       if (quote /= ' ') then
+        if (raw(i:i) == quote) quote = ' '
         hidden(i:i) = '"'
-        if (line(i:i) == quote) quote = ' '
-      else if (line(i:i) == '"' .or. line(i:i) == "'") then
+      else if (raw(i:i) == '"' .or. raw(i:i) == "'") then
+        quote = raw(i:i)
         hidden(i:i) = '"'
-        quote = line(i:i)
+      else if (raw(i:i) == '!') then
+        line = line(:i - 1)
+        hidden = hidden(:i - 1)
+        exit
+      else if (raw(i:i) == achar(9)) then
+        line(i:i) = ' '
+        hidden(i:i) = ' '
       end if
     end do
-  end subroutine mask
+    if (quote /= ' ') call file%stop_at(visible(trim(adjustl(raw)))//': a quote is not closed')
+  end subroutine prepare
 
-  ! The line without comment, tabs and blanks at its ends.
-  function content(raw, file, number) result(line)
-    character(len=*), intent(in) :: raw, file
-    integer, intent(in) :: number
-    character(len=:), allocatable :: line
-    character(len=len(raw)) :: plain, hidden
-    character :: quote
-    integer :: i, finish
+  ! Appends the assignments in line(start:); what precedes the first continues the one before.
+  subroutine add(g, line, hidden, start, number)
+    type(group), intent(inout) :: g
+    character(len=*), intent(in) :: line, hidden
+    integer, intent(in) :: start, number
+    integer, parameter :: most_items = 2*most_values
+    type(assignment) :: new
+    type(word) :: no_words(0)
+    integer :: here, equals, name
 
-    do i = 1, len(raw)
-      plain(i:i) = merge(' ', raw(i:i), raw(i:i) == achar(9))
+    here = start
+    do
+      equals = index(hidden(here:), '=') + here - 1
+      name = len(line) + 1
+      if (equals >= here) name = name_start(hidden(:equals - 1), here)
+      call add_values(name - 1)
+      if (equals < here) exit
+      if (size(g%item) == most_items) call g%fail_at(number, 'more than '//str(most_items)//' assignments')
+      new = assignment(name='', line=number, values='', word=no_words)
+      call take_name(trim(adjustl(hidden(name:equals - 1))))
+      g%item = [g%item, new]
+      here = equals + 1
     end do
-    call mask(plain, hidden, quote)
-    finish = scan(hidden//'!', '!') - 1
-    line = trim(adjustl(plain(:finish)))
-    call mask(plain(:finish), hidden(:finish), quote)
-    if (quote /= ' ') then
-      call stop_run(status_input, file//':'//str(number)//': '//line//': a quote is not closed')
-    end if
-  end function content
 
-  ! Assignment i as a namelist record of its own. `known` has an entry 'name: what it takes' per variable.
-  function record(g, i, known)
+  contains
+
+    ! The values in line(here:last).
+    subroutine add_values(last)
+      integer, intent(in) :: last
+      integer :: finish
+
+      here = here + verify(hidden(here:last)//'.', ' ') - 1
+      if (here > last) return
+      if (size(g%item) == 0) then
+        call g%fail_at(number, '"'//visible(trim(line(here:last)))//'": must be NAME = VALUE')
+      end if
+      associate (now => g%item(size(g%item)))
+        if (now%values /= '') now%values = now%values//' '
+        now%values = now%values//trim(line(here:last))
+        do while (here <= last)
+          finish = here + scan(hidden(here:last)//',', ' ,') - 1
+          if (finish > here .or. now%after_comma) then
+            if (size(now%word) == most_values) then
+              call g%fail_at(number, now%name//': at most '//str(most_values)//' values')
+            end if
+            now%word = [now%word, word(line(here:finish - 1), number, here)]
+            now%after_comma = .false.
+          end if
+          here = finish + verify(hidden(finish:last)//'.', ' ') - 1
+          if (here > last) exit
+          if (hidden(here:here) == ',') then
+            now%after_comma = .true.
+            here = here + verify(hidden(here + 1:last)//'.', ' ')
+          end if
+        end do
+      end associate
+    end subroutine add_values
+
+    ! NAME or NAME(FIRST)
+    subroutine take_name(text)
+      character(len=*), intent(in) :: text
+      character(len=:), allocatable :: subscript
+      integer :: bracket, status
+
+      bracket = index(text//'(', '(')
+      new%name = lower(trim(text(:bracket - 1)))
+      if (new%name == '') call g%fail_at(number, '"'//visible(trim(line(start:)))//'": must be NAME = VALUE')
+      if (bracket > len(text)) return
+      subscript = trim(adjustl(text(bracket + 1:len(text) - 1)))
+      status = 1
+      if (verify(subscript, '0123456789') == 0) read (subscript, *, iostat=status) new%first
+      if (status /= 0 .or. new%first < 1 .or. new%first > most_values) then
+        call g%fail_at(number, new%name//'('//visible(subscript)//'): a subscript is one whole number from 1 to '// &
+                       str(most_values))
+      end if
+    end subroutine take_name
+
+  end subroutine add
+
+  ! Where NAME or NAME(FIRST) at the end of the text begins, not before `least`.
+  pure integer function name_start(text, least) result(start)
+    character(len=*), intent(in) :: text
+    integer, intent(in) :: least
+    integer :: finish
+
+    finish = len_trim(text)
+    if (index(text, ')', back=.true.) == finish) finish = len_trim(text(:index(text, '(', back=.true.) - 1))
+    start = max(least, scan(text(:finish), ' ,"', back=.true.) + 1)
+  end function name_start
+
+  ! Ends the run if a variable is none of `known`, or if one is given twice as a whole.
+  subroutine check_names(g, known)
     class(group), intent(in) :: g
-    integer, intent(in) :: i
     character(len=*), intent(in) :: known(:)
-    character(len=:), allocatable :: record, list
-    integer :: k
+    character(len=:), allocatable :: list
+    integer :: i, k
 
     list = ''
     do k = 1, size(known)
-      if (index(known(k), g%item(i)%name//':') == 1) exit
-      list = list//' '//known(k)(:index(known(k), ':') - 1)
+      list = list//' '//trim(known(k))
     end do
-    if (k > size(known)) then
-      call g%fail_at(g%item(i)%line, 'unknown variable "'//g%item(i)%name//'"; known:'//list)
-    end if
-    record = '&'//g%name//' '//g%item(i)%text//' /'
-  end function record
+    do i = 1, size(g%item)
+      associate (a => g%item(i))
+        if (.not. any(known == a%name)) then
+          call g%fail_at(a%line, 'unknown variable "'//visible(a%name)//'"; known:'//list)
+        end if
+        do k = 1, i - 1
+          if (g%item(k)%name /= a%name .or. (g%item(k)%first > 0 .and. a%first > 0)) cycle
+          call g%fail_at(a%line, a%name//': given already in line '//str(g%item(k)%line))
+        end do
+      end associate
+    end do
+  end subroutine check_names
 
-  ! Ends the run if reading that record went wrong (status /= 0).
-  subroutine check_read(g, i, status, known)
+  logical function has(g, name)
     class(group), intent(in) :: g
-    integer, intent(in) :: i, status
-    character(len=*), intent(in) :: known(:)
-    integer :: k
+    character(len=*), intent(in) :: name
+    integer :: i
 
-    do k = 1, size(known)
-      if (status /= 0 .and. index(known(k), g%item(i)%name//':') == 1) then
-        call g%fail(g%item(i)%name, 'must be'//trim(known(k)(index(known(k), ':') + 1:)))
-      end if
+    has = any([(g%item(i)%name == name, i=1, size(g%item))])
+  end function has
+
+  ! All values of an array; x stays as it is if there are none. exact: in a file that a program wrote, NaN and
+  ! infinities are values, and 3*1.0 is none; else it is three.
+  subroutine numbers(g, name, x, exact)
+    class(group), intent(in) :: g
+    character(len=*), intent(in) :: name
+    real(dp), allocatable, intent(inout) :: x(:)
+    logical, intent(in), optional :: exact
+    real(dp) :: value(most_values), one
+    logical :: given(most_values), any_value
+    character(len=:), allocatable :: fault
+    integer :: i, k, n, star, times, place
+
+    if (.not. g%has(name)) return
+    any_value = .false.
+    if (present(exact)) any_value = exact
+    given = .false.
+    n = 0
+    do i = 1, size(g%item)
+      if (g%item(i)%name /= name) cycle
+      place = max(1, g%item(i)%first)
+      do k = 1, size(g%item(i)%word)
+        associate (w => g%item(i)%word(k))
+          star = index(w%text, '*')
+          times = 1
+          if (star > 0 .and. .not. any_value) times = count_of(w%text(:star - 1))
+          if (times < 1 .or. any_value) star = 0  ! it is no repeat count
+          call read_number(w%text(star + 1:), any_value, one, fault)
+          if (fault /= '') then
+            call g%fail(name, fault//' (value '//str(place)//', column '//str(w%column)//')', w%line)
+          end if
+          if (times > most_values - place + 1) call g%fail(name, 'at most '//str(most_values)//' numbers', w%line)
+          if (any(given(place:place + times - 1))) call g%fail(name, 'value '//str(place)//' is given twice', w%line)
+          value(place:place + times - 1) = one
+          given(place:place + times - 1) = .true.
+          place = place + times
+          n = max(n, place - 1)
+        end associate
+      end do
     end do
-  end subroutine check_read
+    if (.not. all(given(:n))) call g%fail(name, 'value '//str(findloc(given, .false., 1))//' is missing')
+    x = value(:n)
+  end subroutine numbers
+
+  ! A repeat count; 0 if the text is none.
+  integer function count_of(text) result(times)
+    character(len=*), intent(in) :: text
+    integer :: status
+
+    times = 0
+    if (len(text) == 0 .or. verify(text, '0123456789') > 0) return
+    read (text, *, iostat=status) times
+    if (status /= 0) times = huge(times)
+  end function count_of
+
+  ! The only value of a variable, `what` in messages.
+  function only_word(g, name, what) result(text)
+    type(group), intent(in) :: g
+    character(len=*), intent(in) :: name, what
+    character(len=:), allocatable :: text
+    integer :: i
+
+    i = findloc([(g%item(i)%name == name, i=1, size(g%item))], .true., 1)
+    associate (a => g%item(i))
+      if (a%first > 0) call g%fail(name, 'takes no subscript; must be '//what)
+      if (size(a%word) /= 1) then
+        call g%fail(name, 'must be '//what//', found '//str(size(a%word))// &
+                    trim(merge(' (a number has a decimal point, not a comma)', repeat(' ', 44), &
+                               index(a%values, ',') > 0 .and. index(a%values, '"') + index(a%values, "'") == 0)))
+      end if
+      text = a%word(1)%text
+    end associate
+  end function only_word
+
+  ! One number; x stays as it is if the variable is not given. So do the others.
+  subroutine number(g, name, x)
+    class(group), intent(in) :: g
+    character(len=*), intent(in) :: name
+    real(dp), intent(inout) :: x
+    character(len=:), allocatable :: fault
+
+    if (.not. g%has(name)) return
+    call read_number(only_word(g, name, 'one number'), .false., x, fault)
+    if (fault /= '') call g%fail(name, 'must be one number; '//fault)
+  end subroutine number
+
+  subroutine whole(g, name, least, most, i)
+    class(group), intent(in) :: g
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: least, most
+    integer, intent(inout) :: i
+    character(len=:), allocatable :: text, fault
+    real(dp) :: x
+
+    if (.not. g%has(name)) return
+    text = only_word(g, name, 'one whole number')
+    call read_number(text, .false., x, fault)
+    if (fault /= '' .or. scan(lower(text), '.ed') > 0) call g%fail(name, 'must be one whole number')
+    if (x < least) call g%fail(name, 'must be >= '//str(least))
+    if (x > most) call g%fail(name, 'must be <= '//str(most))
+    i = nint(x)
+  end subroutine whole
+
+  subroutine flag(g, name, l)
+    class(group), intent(in) :: g
+    character(len=*), intent(in) :: name
+    logical, intent(inout) :: l
+
+    if (.not. g%has(name)) return
+    select case (lower(only_word(g, name, '.true. or .false.')))
+    case ('.true.', 'true', '.t.', 't')
+      l = .true.
+    case ('.false.', 'false', '.f.', 'f')
+      l = .false.
+    case default
+      call g%fail(name, 'must be .true. or .false.')
+    end select
+  end subroutine flag
+
+  ! A text in quotes, without them; two quotes in it stand for one.
+  subroutine quoted(g, name, text)
+    class(group), intent(in) :: g
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable, intent(inout) :: text
+    character(len=:), allocatable :: found
+    character :: quote
+    integer :: i
+
+    if (.not. g%has(name)) return
+    found = only_word(g, name, 'one text in quotes')//' '
+    quote = found(1:1)
+    if (scan(quote, '''"') == 0) call g%fail(name, 'must be one text in quotes')
+    text = ''
+    i = 2
+    do
+      if (found(i:i) == quote) then
+        if (found(i + 1:i + 1) /= quote) exit
+        i = i + 1
+      end if
+      text = text//found(i:i)
+      i = i + 1
+    end do
+    if (i + 1 < len(found)) call g%fail(name, 'must be one text in quotes')
+  end subroutine quoted
 
   ! Ends the run: FILE:LINE: &GROUP: NAME = what was found: what is wrong.
-  subroutine fail(g, name, what)
+  subroutine fail(g, name, what, line)
     class(group), intent(in) :: g
     character(len=*), intent(in) :: name, what
-    integer :: i, length
+    integer, intent(in), optional :: line  ! else that of the assignment
+    integer :: i, at
 
     do i = size(g%item), 1, -1
       if (g%item(i)%name /= name) cycle
       associate (found => g%item(i)%values)
-        length = len(found)
-        if (scan(found, ',', back=.true.) == length) length = length - 1
-        call g%fail_at(g%item(i)%line, name//' = '//found(:length)//': '//what)
+        at = g%item(i)%line
+        if (present(line)) at = line
+        call g%fail_at(at, name//' = '//visible(found(:verify(found, ' ,', back=.true.)))//': '//what)
       end associate
     end do
     call g%fail_at(g%line, name//': '//what)
@@ -238,7 +400,7 @@ contains
     integer, intent(in) :: line
     character(len=*), intent(in) :: what
 
-    call stop_run(status_input, g%file//':'//str(line)//': &'//g%name//': '//what)
+    call stop_run(status_input, g%file//':'//str(line)//': &'//visible(g%name)//': '//what)
   end subroutine fail_at
 
 end module namelist_file

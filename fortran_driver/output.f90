@@ -1,63 +1,51 @@
 ! The files history.csv, newton.log and ddsdde.csv, and the table on the screen.
 module output
-  use, intrinsic :: iso_c_binding
-  use, intrinsic :: iso_fortran_env, only: dp => real64, output_unit
+  use, intrinsic :: iso_fortran_env, only: dp => real64
+  use files, only: output_file, create_file, make_folder, say
   use material_point, only: point, ntens
-  use text, only: str, stop_run, status_input
+  use text, only: str
   implicit none
   private
-  public :: report, open_report, open_csv, csv
+  public :: report, open_report, csv
 
   type :: report
+    type(output_file) :: history, log, moduli  ! log and moduli: closed if they are not kept
     logical :: quiet = .false.
-    integer :: history = 0, log = 0           ! units; log = 0: none is kept
     real(dp) :: print_every = 0, next_print = -huge(1.0_dp)
   contains
-    procedure :: row, iteration, say
+    procedure :: row, iteration, tangent, tell, close => close_report
   end type report
-
-  interface
-    function mkdir(path, mode) bind(c) result(status)
-      import :: c_char, c_int
-      character(kind=c_char), intent(in) :: path(*)
-      integer(c_int), value :: mode
-      integer(c_int) :: status
-    end function mkdir
-  end interface
 
 contains
 
-  subroutine open_report(folder, quiet, keep_log, print_every, r)
+  ! The folder is made and the files are created before the first step, so that a run that cannot write them does
+  ! not start.
+  subroutine open_report(folder, quiet, keep_log, keep_moduli, print_every, r)
     character(len=*), intent(in) :: folder
-    logical, intent(in) :: quiet, keep_log
+    logical, intent(in) :: quiet, keep_log, keep_moduli
     real(dp), intent(in) :: print_every
     type(report), intent(out) :: r
+    character(len=:), allocatable :: columns
+    integer :: i, j
 
     r%quiet = quiet
     r%print_every = print_every
-    call open_csv(folder, 'history.csv', &
-                  'time,G,lambda_e,lambda,J,Je,s11,s22,s33,s12,s13,s23,reaction,iterations', r%history)
+    call make_folder(folder)
+    call create_file(folder//'/history.csv', &
+                     'time,G,lambda_e,lambda,J,Je,s11,s22,s33,s12,s13,s23,reaction,iterations', r%history)
     if (keep_log) then
-      call open_csv(folder, 'newton.log', 'increment,time,dt,iteration,residual,correction', r%log)
+      call create_file(folder//'/newton.log', 'increment,time,dt,iteration,residual,correction', r%log)
+    end if
+    if (keep_moduli) then
+      columns = 'time'
+      do i = 1, ntens
+        do j = 1, ntens
+          columns = columns//',D'//str(i)//str(j)
+        end do
+      end do
+      call create_file(folder//'/ddsdde.csv', columns, r%moduli)
     end if
   end subroutine open_report
-
-  ! A new file in a folder, which is made if it is missing, with its first line.
-  subroutine open_csv(folder, name, header, unit)
-    character(len=*), intent(in) :: folder, name, header
-    integer, intent(out) :: unit
-    integer(c_int), parameter :: everyone = int(o'777', c_int)
-    character(len=256) :: message
-    integer :: i, status
-
-    do i = 2, len(folder) + 1  ! a folder that exists, or cannot be made, shows when the file is opened
-      if (index(folder(i:)//'/', '/') == 1) status = mkdir(folder(:i - 1)//c_null_char, everyone)
-    end do
-    open (newunit=unit, file=folder//'/'//name, status='replace', action='write', iostat=status, &
-          iomsg=message)
-    if (status /= 0) call stop_run(status_input, folder//'/'//name//': cannot be written: '//trim(message))
-    write (unit, '(a)') header
-  end subroutine open_csv
 
   ! One row of the history, the points averaged: they have equal reference volumes.
   subroutine row(r, time, points, reaction, iterations, last)
@@ -67,6 +55,7 @@ contains
     integer, intent(in) :: iterations
     logical, intent(in) :: last
     real(dp) :: state(5), stress(ntens)
+    character(len=12) :: count
     integer :: p, n
 
     state = 0
@@ -76,14 +65,16 @@ contains
       state(:n) = state(:n) + points(p)%statev(:n)/size(points)
       stress = stress + points(p)%stress/size(points)
     end do
-    write (r%history, '(a)') csv([time, state, stress, reaction])//','//str(iterations)
-    flush (r%history)  ! a UMAT may bring the program down
+    call r%history%put(csv([time, state, stress, reaction])//','//str(iterations))
     if (r%quiet .or. (time < r%next_print .and. .not. last)) return
     if (r%next_print <= -huge(time)) then
-      call r%say('        time           G    lambda_e      lambda           J           s11'// &
-                 '      reaction  iterations')
+      call r%tell('        time           G    lambda_e      lambda           J           s11'// &
+                  '      reaction  iterations')
     end if
-    write (output_unit, '(f12.5, 4f12.6, 2es14.5, i12)') time, state(1:4), stress(1), reaction, iterations
+    write (count, '(i12)') iterations
+    call r%tell(column(time, '(f12.5)')//column(state(1), '(f12.6)')//column(state(2), '(f12.6)')// &
+                column(state(3), '(f12.6)')//column(state(4), '(f12.6)')//column(stress(1), '(es14.5)')// &
+                column(reaction, '(es14.5)')//count)
     r%next_print = time + r%print_every*(1 - 1.0e-6_dp)
   end subroutine row
 
@@ -92,17 +83,43 @@ contains
     integer, intent(in) :: increment, number
     real(dp), intent(in) :: time, dt, residual, correction
 
-    if (r%log == 0) return
-    write (r%log, '(a)') str(increment)//','//csv([time, dt])//','//str(number)//','// &
-      csv([residual, correction])
+    call r%log%put(str(increment)//','//csv([time, dt])//','//str(number)//','//csv([residual, correction]))
   end subroutine iteration
 
-  subroutine say(r, line)
+  subroutine tangent(r, time, ddsdde)
+    class(report), intent(in) :: r
+    real(dp), intent(in) :: time, ddsdde(ntens, ntens)
+
+    call r%moduli%put(csv([time, transpose(ddsdde)]))
+  end subroutine tangent
+
+  subroutine tell(r, line)
     class(report), intent(in) :: r
     character(len=*), intent(in) :: line
 
-    if (.not. r%quiet) write (output_unit, '(a)') line
-  end subroutine say
+    if (.not. r%quiet) call say(line)
+  end subroutine tell
+
+  subroutine close_report(r)
+    class(report), intent(inout) :: r
+
+    call r%history%close()
+    call r%log%close()
+    call r%moduli%close()
+  end subroutine close_report
+
+  ! A number in a column of the screen, in powers of ten where the column is too narrow for it.
+  function column(x, form) result(text)
+    real(dp), intent(in) :: x
+    character(len=*), intent(in) :: form
+    character(len=:), allocatable :: text
+    character(len=14) :: buffer
+
+    write (buffer, form) x
+    text = buffer(:merge(14, 12, form(2:3) == 'es'))
+    if (text(1:1) == ' ') return
+    write (text, '(1x, es11.3e3)') x
+  end function column
 
   ! Every digit of every value, comma-separated, without blanks.
   function csv(values) result(line)

@@ -2,106 +2,167 @@
 module prescribed_path
   use, intrinsic :: iso_fortran_env, only: dp => real64
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use material_point, only: material, point, increment, new_point, update
-  use output, only: report, open_csv, csv
-  use text, only: read_line, str, stop_run, status_input, status_run
+  use files, only: text_file, read_file
+  use input, only: most_time
+  use material_point, only: material, point, increment, new_point, update, determinant, identity
+  use output, only: report
+  use text, only: read_number, str, visible, stop_run, status_input, status_run
   implicit none
   private
-  public :: run_path
+  public :: path, read_path, run_path
 
+  character(len=4), parameter :: column(10) = [character(len=4) :: 'time', 'F11', 'F12', 'F13', 'F21', 'F22', &
+    'F23', 'F31', 'F32', 'F33']
   character(len=*), parameter :: header = 'time,F11,F12,F13,F21,F22,F23,F31,F32,F33'
+
+  type :: path
+    character(len=:), allocatable :: name
+    integer, allocatable :: line(:)        ! of each row in the file
+    real(dp), allocatable :: value(:, :)   ! (10, rows)
+  end type path
 
 contains
 
-  subroutine run_path(file, m, folder, r)
-    character(len=*), intent(in) :: file, folder
-    type(material), intent(in) :: m
-    type(report), intent(inout) :: r
-    character(len=:), allocatable :: line, columns
-    type(point) :: now, next
-    real(dp) :: value(10), ddsdde(6, 6), time, pnewdt
-    character(len=256) :: message
-    integer :: unit, moduli, status, number, rows, i, j
+  ! All rows, checked before the first is run.
+  function read_path(name) result(p)
+    character(len=*), intent(in) :: name
+    type(path) :: p
+    type(text_file) :: file
+    character(len=:), allocatable :: line
+    integer, allocatable :: longer_line(:)
+    real(dp), allocatable :: longer_value(:, :)
+    integer :: rows
 
-    open (newunit=unit, file=file, status='old', action='read', iostat=status, iomsg=message)
-    if (status /= 0) call stop_run(status_input, file//': cannot be opened: '//trim(message))
-    columns = 'time'
-    do i = 1, 6
-      do j = 1, 6
-        columns = columns//',D'//str(i)//str(j)
-      end do
-    end do
-    call open_csv(folder, 'ddsdde.csv', columns, moduli)
-
-    now = new_point(m, 1)  ! undeformed before the first row
-    next = now
-    time = 0
-    number = 0
+    file = read_file(name)
+    p%name = name
+    allocate (p%line(64), p%value(10, 64))
     rows = -1  ! the header is none
-    do
-      call read_line(unit, line, status)
-      if (status /= 0) exit
-      number = number + 1
-      line = trim(adjustl(line))
+    do while (file%read_line(line))
+      line = without_separators(line)
       if (len(line) == 0) cycle
       if (line(1:1) == '#') cycle
       rows = rows + 1
       if (rows == 0) then
-        if (line /= header) call wrong('the header must be '//header//', found '//line)
+        call check_header(file, line)
         cycle
       end if
-      call read_numbers()
-      if (rows == 1) time = value(1)
-      if (rows > 1 .and. .not. value(1) > time) then
-        call wrong('time = '//str(value(1))//': must be greater than that of the row before, '//str(time))
+      if (rows > size(p%line)) then
+        allocate (longer_line(2*rows), longer_value(10, 2*rows))
+        longer_line(:rows - 1) = p%line
+        longer_value(:, :rows - 1) = p%value
+        call move_alloc(longer_line, p%line)
+        call move_alloc(longer_value, p%value)
       end if
+      p%line(rows) = file%number
+      call read_row(file, line, p%value(:, rows))
+      if (rows > 1) then
+        if (.not. p%value(1, rows) > p%value(1, rows - 1)) then
+          call file%stop_at('time = '//str(p%value(1, rows))//': must be greater than that of the row before, '// &
+                            str(p%value(1, rows - 1)))
+        end if
+      end if
+    end do
+    if (rows < 1) call stop_run(status_input, name//': has no row; expected '//header//' and rows of numbers')
+    p%line = p%line(:rows)
+    p%value = p%value(:, :rows)
+  end function read_path
 
-      call update(m, now, increment(time, value(1) - time, rows), transpose(reshape(value(2:), [3, 3])), &
-                  [0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp, next, ddsdde, pnewdt)
-      if (.not. pnewdt >= 1) then
-        call stop_here('the UMAT asks for PNEWDT = '//str(pnewdt))
+  ! Blanks and tabs at the ends of a line say nothing, nor do the commas of a spreadsheet's empty columns at its end.
+  function without_separators(line) result(rest)
+    character(len=*), intent(in) :: line
+    character(len=:), allocatable :: rest
+    integer :: start, finish
+
+    start = max(1, verify(line, ' '//achar(9)))
+    finish = verify(line, ' ,'//achar(9), back=.true.)
+    rest = line(start:finish)
+  end function without_separators
+
+  subroutine check_header(file, line)
+    type(text_file), intent(in) :: file
+    character(len=*), intent(in) :: line
+    character(len=:), allocatable :: names, hint
+    integer :: i
+
+    names = ''
+    do i = 1, len(line)
+      if (line(i:i) /= ' ') names = names//line(i:i)
+    end do
+    if (names == header) return
+    hint = ''
+    if (index(line, ';') > 0) hint = ' (separated by commas, not by semicolons)'
+    if (index(line, achar(9)) > 0) hint = ' (separated by commas, not by tabs)'
+    call file%stop_at('the header must be '//header//hint//', found '//visible(line))
+  end subroutine check_header
+
+  subroutine read_row(file, line, value)
+    type(text_file), intent(in) :: file
+    character(len=*), intent(in) :: line
+    real(dp), intent(out) :: value(10)
+    character(len=:), allocatable :: rest, fault, hint
+    integer :: k, comma, n
+
+    rest = line//','
+    n = 0
+    do k = 1, len(rest)
+      if (rest(k:k) == ',') n = n + 1
+    end do
+    do k = 1, min(n, size(value))
+      comma = index(rest, ',')
+      call read_number(trim(adjustl(rest(:comma - 1))), .false., value(k), fault)
+      if (fault /= '') call file%stop_at('column '//str(k)//', '//trim(column(k))//': '//fault)
+      rest = rest(comma + 1:)
+    end do
+    if (n /= size(value)) then
+      hint = ''
+      if (n > size(value)) hint = ' (a number has a decimal point, not a comma)'
+      call file%stop_at('10 numbers are expected, found '//str(n)//hint//': '//visible(line))
+    end if
+    if (abs(value(1)) > most_time) call file%stop_at('time = '//str(value(1))//': must be -1e12 to 1e12')
+    if (.not. any(abs(value(2:)) > 0)) call file%stop_at('F is zero in all nine entries, and det F must be > 0')
+  end subroutine read_row
+
+  subroutine run_path(p, m, r)
+    type(path), intent(in) :: p
+    type(material), intent(in) :: m
+    type(report), intent(inout) :: r
+    type(point) :: now, next
+    real(dp) :: ddsdde(6, 6), F(3, 3), time, pnewdt
+    integer :: i
+
+    now = new_point(m, 1)
+    next = now
+    time = p%value(1, 1)
+    call update(m, now, increment(time, 0.0_dp, 1), identity, [0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp, next, ddsdde, pnewdt)
+    if (.not. pnewdt >= 1) then
+      call stop_run(status_input, p%name//': PROPS or STATEV cannot be used: before the first row, at F = 1 and '// &
+                    'without time, the UMAT asks for PNEWDT = '//str(pnewdt))
+    end if
+
+    do i = 1, size(p%line)
+      F = transpose(reshape(p%value(2:, i), [3, 3]))
+      call update(m, now, increment(time, p%value(1, i) - time, i), F, [0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp, next, &
+                  ddsdde, pnewdt)
+      if (.not. determinant(F) > 0) then
+        call stop_here('det F = '//str(determinant(F))//': must be > 0')
+      else if (.not. pnewdt >= 1) then
+        call stop_here('the UMAT asks for PNEWDT = '//str(pnewdt)//' at det F = '//str(determinant(F)))
       else if (.not. (all(ieee_is_finite(next%stress)) .and. all(ieee_is_finite(ddsdde)))) then
         call stop_here('the UMAT returned a stress or a tangent that is not a number')
       end if
       now = next
-      time = value(1)
+      time = p%value(1, i)
       call r%row(time, [now], 0.0_dp, 1, last=.false.)
-      write (moduli, '(a)') csv([time, transpose(ddsdde)])
+      call r%tangent(time, ddsdde)
     end do
-    close (unit)
-    close (moduli)
-    if (rows < 1) call stop_run(status_input, file//': has no row; expected '//header//' and rows of numbers')
-    call r%say(str(rows)//' rows')
+    call r%tell(str(size(p%line))//' rows')
+
   contains
-
-    subroutine read_numbers()
-      character(len=:), allocatable :: rest
-      integer :: k, comma
-
-      rest = line//','
-      do k = 1, 10
-        comma = index(rest, ',')
-        if (comma == 0) call wrong('10 numbers are expected, found '//str(k - 1))
-        read (rest(:comma - 1), *, iostat=status) value(k)
-        if (status /= 0 .or. verify(trim(adjustl(rest(:comma - 1))), '+-.0123456789eEdD') > 0) then
-          call wrong('number '//str(k)//' of the row: "'//rest(:comma - 1)//'" is not a number')
-        end if
-        rest = rest(comma + 1:)
-      end do
-      if (len(rest) > 0) call wrong('10 numbers are expected, found more')
-      if (.not. all(ieee_is_finite(value))) call wrong('every number must be finite')
-    end subroutine read_numbers
-
-    subroutine wrong(what)
-      character(len=*), intent(in) :: what
-
-      call stop_run(status_input, file//':'//str(number)//': '//what)
-    end subroutine wrong
 
     subroutine stop_here(what)
       character(len=*), intent(in) :: what
 
-      call stop_run(status_run, file//':'//str(number)//': row '//str(rows)//', time '//str(value(1))// &
+      call stop_run(status_run, p%name//':'//str(p%line(i))//': row '//str(i)//', time '//str(p%value(1, i))// &
                     ': '//what//'. history.csv has the rows before.')
     end subroutine stop_here
 

@@ -1,21 +1,21 @@
 ! One call of the UMAT again, with the arguments that it wrote down where it gave no result (abi/dump.hpp).
 module replay
-  use, intrinsic :: iso_fortran_env, only: dp => real64, output_unit
+  use, intrinsic :: iso_fortran_env, only: dp => real64
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use files, only: say
   use material_point, only: determinant, identity
-  use namelist_file, only: group, read_groups
-  use text, only: str, stop_run, status_input
+  use namelist_file, only: group, read_groups, most_values
+  use text, only: str, visible, stop_run, status_input
   use umat_interface, only: umat_routine
   implicit none
   private
   public :: run_replay
 
-  character(len=*), parameter :: known(12) = [character(len=12) :: 'fault:', 'ntens:', 'dtime:', 'pnewdt:', &
-    'dfgrd1:', 'jhat:', 'nprops:', 'props:', 'nstatv:', 'statev:', 'ndi:', 'nshr:']
-  integer, parameter :: most = 1000  ! components and entries
+  character(len=*), parameter :: known(12) = [character(len=6) :: 'fault', 'ntens', 'dtime', 'pnewdt', 'dfgrd1', &
+    'jhat', 'nprops', 'props', 'nstatv', 'statev', 'ndi', 'nshr']
 
   type :: umat_call
-    character(len=400) :: fault = ''  ! what the UMAT said when it wrote the file
+    character(len=:), allocatable :: fault  ! what the UMAT said when it wrote the file
     integer :: ntens, ndi, nshr, nprops, nstatv
     real(dp) :: dtime, pnewdt, F(3, 3)
     real(dp) :: J_hat = 1  ! of a mixed element: STRESS(NTENS+1)
@@ -57,18 +57,21 @@ contains
     call show('STATEV', c%statev)
     call show('PNEWDT', [pnewdt])
     if (n > 0 .and. all(ieee_is_finite(stress)) .and. all(ieee_is_finite(ddsdde))) then
-      write (output_unit, '(a)') 'verdict: a result'
+      call say('verdict: a result')
     else
-      write (output_unit, '(a)') 'verdict: refused; '//reason(c)
+      call say('verdict: refused; '//reason(c))
     end if
-    if (c%fault /= '') write (output_unit, '(a)') 'when written: '//trim(c%fault)
+    if (c%fault /= '') call say('when written: '//visible(c%fault))
   end subroutine run_replay
 
   subroutine show(name, values)
     character(len=*), intent(in) :: name
     real(dp), intent(in) :: values(:)
 
-    write (output_unit, '(a, t12, *(es25.16e3))') name, values
+    character(len=11 + 25*size(values)) :: line
+
+    write (line, '(a, t12, *(es25.16e3))') name, values
+    call say(trim(line))
   end subroutine show
 
   ! Of a bad entry of PROPS or STATEV the UMAT itself has spoken, of DFGRD1 and DTIME it does not.
@@ -99,9 +102,7 @@ contains
     character(len=*), intent(in) :: file
     type(umat_call), intent(out) :: c
     type(group), allocatable :: groups(:)
-    real(dp) :: one(1), nine(9)
-    character(len=:), allocatable :: record
-    integer :: i, status
+    real(dp), allocatable :: nine(:)
 
     call read_groups(file, groups)
     if (size(groups) /= 1) then
@@ -109,75 +110,59 @@ contains
     end if
     associate (g => groups(1))
       if (g%name /= 'point') call g%fail_at(g%line, 'unknown group; known: &point')
-      do i = 1, size(g%item)
-        record = g%record(i, known)  ! ends the run if that name is unknown
-        if (g%item(i)%name == 'fault') read (g%item(i)%values, *, iostat=status) c%fault
-      end do
+      call g%check_names(known)
+      c%fault = ''
+      call g%quoted('fault', c%fault)
       c%ntens = whole(g, 'ntens')
       c%nshr = merge(3, 1, c%ntens == 6)  ! where the file does not say: those of the element family
-      if (any([(g%item(i)%name == 'nshr', i=1, size(g%item))])) c%nshr = whole(g, 'nshr')
+      if (g%has('nshr')) c%nshr = whole(g, 'nshr')
       c%ndi = c%ntens - c%nshr
-      if (any([(g%item(i)%name == 'ndi', i=1, size(g%item))])) c%ndi = whole(g, 'ndi')
+      if (g%has('ndi')) c%ndi = whole(g, 'ndi')
       c%nprops = whole(g, 'nprops')
       c%nstatv = whole(g, 'nstatv')
-      call read_numbers(g, 'dtime', one)
-      c%dtime = one(1)
-      call read_numbers(g, 'pnewdt', one)
-      c%pnewdt = one(1)
-      call read_numbers(g, 'dfgrd1', nine)
+      c%dtime = one(g, 'dtime')
+      c%pnewdt = one(g, 'pnewdt')
+      nine = numbers(g, 'dfgrd1', 9)
       c%F = transpose(reshape(nine, [3, 3]))
-      allocate (c%props(max(c%nprops, 0)), c%statev(max(c%nstatv, 0)))
-      if (any([(g%item(i)%name == 'jhat', i=1, size(g%item))])) then
-        call read_numbers(g, 'jhat', one)
-        c%J_hat = one(1)
-      end if
-      call read_numbers(g, 'props', c%props)
-      call read_numbers(g, 'statev', c%statev)
+      if (g%has('jhat')) c%J_hat = one(g, 'jhat')
+      c%props = numbers(g, 'props', c%nprops)
+      c%statev = numbers(g, 'statev', c%nstatv)
     end associate
   end subroutine read_call
 
-  integer function whole(g, name)
+  integer function whole(g, name) result(i)
     type(group), intent(in) :: g
     character(len=*), intent(in) :: name
-    real(dp) :: x(1)
+    real(dp) :: x
 
-    call read_numbers(g, name, x)
-    if (.not. (x(1) >= -huge(whole) - 1.0_dp .and. x(1) <= most)) call g%fail(name, 'must be at most '//str(most))
-    whole = nint(x(1))
-    if (abs(x(1) - whole) > 0) call g%fail(name, 'must be a whole number')
+    x = one(g, name)
+    if (.not. (x >= -huge(i) .and. x <= most_values)) call g%fail(name, 'must be at most '//str(most_values))
+    i = nint(x)
+    if (abs(x - i) > 0) call g%fail(name, 'must be a whole number')
   end function whole
 
-  ! As many numbers as x has entries, NaN and infinities too; to the bit, so one by one, not by a namelist.
-  subroutine read_numbers(g, name, x)
+  real(dp) function one(g, name)
     type(group), intent(in) :: g
     character(len=*), intent(in) :: name
-    real(dp), intent(out) :: x(:)
-    character(len=:), allocatable :: rest
-    integer :: i, found, finish, status
 
-    rest = ''
-    found = 0
-    do i = 1, size(g%item)
-      if (g%item(i)%name /= name) cycle
-      rest = g%item(i)%values
-      found = i
-    end do
-    if (found == 0 .and. size(x) > 0) call g%fail(name, 'is missing')
-    found = 0
-    do
-      rest = rest(verify(rest//'.', ' ,'):)
-      if (rest == '') exit
-      finish = scan(rest//' ', ' ,') - 1
-      found = found + 1
-      if (found <= size(x)) then
-        read (rest(:finish), *, iostat=status) x(found)
-        if (status /= 0 .or. index(rest(:finish), '*') > 0) then
-          call g%fail(name, '"'//rest(:finish)//'" is not a number')
-        end if
-      end if
-      rest = rest(finish + 1:)
-    end do
-    if (found /= size(x)) call g%fail(name, 'the number of values must be '//str(size(x))//', is '//str(found))
-  end subroutine read_numbers
+    associate (x => numbers(g, name, 1))
+      one = x(1)
+    end associate
+  end function one
+
+  ! The n numbers of an entry, NaN and infinities too; a UMAT may have been called with n < 0, which means none.
+  function numbers(g, name, n) result(x)
+    type(group), intent(in) :: g
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: n
+    real(dp), allocatable :: x(:)
+
+    allocate (x(0))
+    if (n > 0 .and. .not. g%has(name)) call g%fail(name, 'is missing')
+    call g%numbers(name, x, exact=.true.)
+    if (size(x) /= max(n, 0)) then
+      call g%fail(name, 'the number of values must be '//str(max(n, 0))//', is '//str(size(x)))
+    end if
+  end function numbers
 
 end module replay

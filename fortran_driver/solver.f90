@@ -7,7 +7,7 @@ module solver
   use input, only: settings
   use material_point, only: material, point, increment, new_point
   use output, only: report
-  use text, only: str, stop_run, status_run
+  use text, only: str, stop_run, status_input, status_run
   implicit none
   private
   public :: run_element
@@ -74,7 +74,7 @@ contains
           cutbacks = cutbacks + 1
           if (cutbacks > s%max_cutbacks) call give_up('more than max_cutbacks = '//str(s%max_cutbacks))
           if (step < s%dt_min) call give_up('dt = '//str(step)//' would be below dt_min = '//str(s%dt_min))
-          call r%say('  cut-back at time '//str(now%time)//' to dt = '//str(step)//': '//reason)
+          call r%tell('  cut-back at time '//str(now%time)//' to dt = '//str(step)//': '//reason)
           all_cutbacks = all_cutbacks + 1
           cycle
         end if
@@ -87,7 +87,7 @@ contains
       end do
       call r%row(now%time, now%points, reaction(s, now%f), row_iterations, last=i == n_grid)
     end do
-    call r%say(str(increments)//' increments, '//str(all_cutbacks)//' cut-backs, '//str(all_iterations)// &
+    call r%tell(str(increments)//' increments, '//str(all_cutbacks)//' cut-backs, '//str(all_iterations)// &
                ' iterations')
   contains
     subroutine give_up(limit)
@@ -112,7 +112,9 @@ contains
 
     points = start%points
     call assemble(b, m, start%points, increment(0.0_dp, 0.0_dp, 1), start%u, points, f, K, pnewdt, reason)
-    if (pnewdt < 1) call stop_run(status_run, s%file//': the undeformed state is refused: '//reason)
+    if (pnewdt < 1) then
+      call stop_run(status_input, s%file//': PROPS or STATEV cannot be used: at F = 1 and without time, '//reason)
+    end if
     call r%row(0.0_dp, points, reaction(s, f), 0, last=.false.)
   end subroutine write_initial
 

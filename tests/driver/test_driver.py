@@ -2,18 +2,25 @@
 
 test_driver.py DRIVER UMAT ELASTIC_UMAT SOURCE [unittest arguments]; every class is a ctest.
 """
+import contextlib
 import csv
+import io
 import math
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
+import unittest.mock
 
 DRIVER, UMAT, ELASTIC, SOURCE = (pathlib.Path(p).resolve() for p in sys.argv[1:5])
 CASES = SOURCE / "fortran_driver" / "cases"
+sys.path.insert(0, str(SOURCE / "fortran_driver"))
+import cube  # noqa: E402
 COLUMNS = "time,G,lambda_e,lambda,J,Je,s11,s22,s33,s12,s13,s23,reaction,iterations".split(",")
 C1, C2, TAU, GAMMA, G_MAX, CRIT = 16.0, 4.0, 0.5, 2.0, 1.1, 1.01
 
@@ -21,7 +28,7 @@ C1, C2, TAU, GAMMA, G_MAX, CRIT = 16.0, 4.0, 0.5, 2.0, 1.1, 1.01
 class Run:
     """A run of the driver in a folder of its own: what it printed, and its files."""
 
-    def __init__(self, *arguments, text=None, edit=None, dump=None):
+    def __init__(self, *arguments, text=None, edit=None, dump=None, **options):
         self.kept = tempfile.TemporaryDirectory(prefix="myogrowth_")  # removed with the run
         self.folder = pathlib.Path(self.kept.name)
         arguments = list(arguments)
@@ -31,10 +38,12 @@ class Run:
                 assert old in text, old
                 text = text.replace(old, new)
         if text is not None:
-            (self.folder / "case.nml").write_text(text)
+            (self.folder / "case.nml").write_bytes(text if isinstance(text, bytes) else text.encode())
             arguments.insert(0, self.folder / "case.nml")
-        done = subprocess.run([DRIVER, *arguments, "--out", self.folder], capture_output=True, text=True, timeout=300,
-                              env={**os.environ, "MYOGROWTH_DUMP": str(dump or "")})
+        if "--out" not in arguments:
+            arguments += ["--out", self.folder]
+        options = {"stdout": subprocess.PIPE, "timeout": 300, "env": {**os.environ, "MYOGROWTH_DUMP": str(dump or "")}, **options}
+        done = subprocess.run([DRIVER, *arguments], stderr=subprocess.PIPE, text=True, **options)
         self.status, self.screen, self.errors = done.returncode, done.stdout, done.stderr
 
     def rows(self, name="history.csv"):
@@ -232,7 +241,7 @@ class Path(unittest.TestCase):
     def path(self, text):
         with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:
             file = pathlib.Path(folder) / "F.csv"
-            file.write_text(text)
+            file.write_bytes(text if isinstance(text, bytes) else text.encode())
             return Run("--path", file)
 
     HEAD = "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n"
@@ -266,8 +275,56 @@ class Path(unittest.TestCase):
                 self.assertIn(word, run.errors)
         run = self.path(self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,-1,0,0,0,1,0,0,0,1\n")
         self.assertEqual(run.status, 2)
-        self.assertIn("F.csv:3", run.errors)
+        self.assertIn("F.csv:3: row 2, time 1: det F = -1: must be > 0", run.errors)
         self.assertEqual(len(run.rows()), 1)
+
+    def test_what_a_spreadsheet_writes(self):
+        plain = self.path(self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1.1,0,0,0,1,0,0,0,1\n")
+        for text in (
+            "\ufeff" + self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1.1,0,0,0,1,0,0,0,1\n",
+            (self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1.1,0,0,0,1,0,0,0,1").replace("\n", "\r\n"),
+            (self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1.1,0,0,0,1,0,0,0,1\n").replace("\n", "\r"),
+            (self.HEAD + "0,1,0,0,0,1,0,0,0,1\n \t\n1,1.1,0,0,0,1,0,0,0,1\n,,,,\n").replace("\n", ",,,\n"),
+            (self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1.1,0,0,0,1,0,0,0,1\n").replace(",", " , "),
+        ):
+            run = self.path(text)
+            self.assertEqual((run.status, run.errors), (0, ""), text)
+            self.assertEqual(run.rows(), plain.rows())
+
+    def test_what_is_no_row_is_named(self):
+        first = self.HEAD + "0,1,0,0,0,1,0,0,0,1\n"
+        for text, words in (
+            (first.replace(",", ";"), "F.csv:1: the header must be time,F11,F12,F13,F21,F22,F23,F31,F32,F33 (separated by "
+                                      "commas, not by semicolons), found time;F11"),
+            (self.HEAD.replace(",", "\t"), "not by tabs), found time\\x09F11"),
+            (self.HEAD + "0;1;0;0;0;1;0;0;0;1\n", "F.csv:2: column 1, time: \"0;1;0;0;0;1;0;0;0;1\" is not a number: numbers "
+                                                  "are separated by commas, not by semicolons"),
+            (self.HEAD + "0,0,1,1,0,0,0,0,0,0,1,0,0,0,0,0,0,0,1,0\n", "F.csv:2: 10 numbers are expected, found 20 (a number "
+                                                                     "has a decimal point, not a comma)"),
+            (first + "1,0,0,0,0,0,0,0,0,0\n", "F.csv:3: F is zero in all nine entries, and det F must be > 0"),
+            (first + "1,1,0,0,0,nan,0,0,0,1\n", 'F.csv:3: column 6, F22: "nan" must be a finite number'),
+            (first + "1,1,0,0,0,,0,0,0,1\n", "F.csv:3: column 6, F22: a number is missing"),
+            (first + "1,1,0,0,0,1,0,0,0,2*1\n", 'F.csv:3: column 10, F33: "2*1" is not a number'),
+            (first + "1,1,0,0,0,1,0,0,0,1e999\n", '"1e999" is beyond the range of double precision'),
+            (first + "1e16,1,0,0,0,1,0,0,0,1\n", "F.csv:3: time = 1.00000E+16: must be -1e12 to 1e12"),
+            (first + "1,\u22121,0,0,0,1,0,0,0,1\n", r'F.csv:3: column 2, F11: "\xE2\x88\x921" is not a number'),
+            (first + "1," + 5000 * "1" + "x,0,0,0,1,0,0,0,1\n", "1 ... (5001 characters)\" is not a number"),
+            (self.HEAD, "F.csv: has no row"),
+            (b"\xff\xfet\0i\0", "F.csv: is in UTF-16"),
+        ):
+            run = self.path(text)
+            self.assertEqual((run.status, run.screen), (1, ""), text)
+            self.assertIn(words, run.errors)
+            self.assertFalse((run.folder / "history.csv").exists())  # all rows are read before the first is run
+
+    def test_bad_props_end_it_before_the_first_row(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
+            file.write(self.HEAD + "0,1,0,0,0,1,0,0,0,1\n")
+            file.flush()
+            run = Run("--path", file.name, text="&material props = 16, 4, 0, 2, 1.1, 1.01 /\n")
+        self.assertEqual(run.status, 1)
+        self.assertIn("PROPS(3) = 0: tau", run.errors)
+        self.assertIn("PROPS or STATEV cannot be used: before the first row", run.errors)
 
 
 class Replay(unittest.TestCase):
@@ -332,7 +389,7 @@ class Replay(unittest.TestCase):
     def test_bad_props(self):
         message = "PROPS(5) = 0.9: G_max, largest relative serial sarcomere number, must be finite and > 1."
         run = Run(text="&material props = 16, 4, 0.5, 2, 0.9, 1.01 /\n", dump=self.folder)
-        self.assertEqual(run.status, 2)
+        self.assertEqual(run.status, 1)  # as --help says of a wrong input
         again = self.replay()
         self.assertEqual((again.status, again.errors), (0, f"myogrowth UMAT: {message}\n"))
         self.assertIn("verdict: refused; DFGRD1 and DTIME are in order", again.screen)
@@ -433,25 +490,189 @@ class InputErrors(unittest.TestCase):
         self.expect(contradiction + "&face name = 'y-' /\n&face name = 'z-' /\n", "case.nml:2", "contradicts line 1")
 
     def test_the_umats_own_message(self):
-        self.expect("&material props = 16, 4, 0.5, 2, 0.9, 1.01 /\n", "PROPS(5) = 0.9: G_max", status=2)
+        self.expect("&material props = 16, 4, 0.5, 2, 0.9, 1.01 /\n", "PROPS(5) = 0.9: G_max",
+                    "case.nml: PROPS or STATEV cannot be used")
 
     def test_command_line(self):
-        for arguments, word in ((["--fast"], "--fast"), (["no_such.nml"], "no_such.nml"), (["--umat"], "")):
-            run = Run(*arguments)
+        for arguments, words in (
+            (["--fast"], "unknown option --fast; known: --out"),
+            (["no_such.nml"], "no_such.nml: cannot be opened: No such file"),
+            (["--out=x"], "unknown option --out=x"),
+            (["a.nml", "b.nml"], 'one input file, found "a.nml" and "b.nml"'),
+            ([""], "an argument is empty"),
+            (["--path", ""], "--path needs a value"),
+            (["--path", "--quiet"], "--path needs a value, found the option --quiet"),
+            (["--out", "a", "--out", "b"], "--out is given twice"),
+            (["--out"], "--out needs a value"),
+            (["--replay", "x", "--quiet"], "--replay goes without --quiet"),
+            (["two\nlines.nml"], r"two\x0Alines.nml: cannot be opened"),
+        ):
+            run = Run(*arguments, *([] if "--out" in arguments else ["--out", "unused"]))
+            self.assertEqual((run.status, run.screen), (1, ""))
+            self.assertIn(words, run.errors)
+
+    def test_a_folder_is_no_file(self):
+        with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:
+            for arguments in ([folder], ["--path", folder], ["--replay", folder]):
+                run = Run(*arguments)
+                self.assertEqual((run.status, run.screen), (1, ""))
+                self.assertEqual(run.errors, f"{folder}: cannot be read: Is a directory\n")
+            run = Run("--umat", folder)
             self.assertEqual(run.status, 1)
-            self.assertIn(word, run.errors)
+            self.assertIn(f"the UMAT {folder} cannot be used", run.errors)
+        self.assertIn("larger than 256 MiB", Run("/dev/zero").errors)
+
+    def test_numbers(self):
+        for value, words in (
+            ("0,05", "must be one number, found 2 (a number has a decimal point, not a comma)"),
+            ("0.1; 2", 'must be one number, found 2'),
+            ("0.1;", "numbers are separated by commas, not by semicolons"),
+            ("nan", '"nan" must be a finite number'), ("-Infinity", '"-Infinity" must be a finite number'),
+            ("1+5", '"1+5" is not a number'), ("(1,2)", "must be one number, found 2"), ("", "must be one number, found 0"),
+            ("1e999", "beyond the range"), ("1e-999", "beyond the range"), ("1 2", "must be one number, found 2"),
+            ("\u00a01", r'"\xC2\xA01" is not a number'), ("1\x07", r'"1\x07" is not a number'), ("'1'", "is not a number"),
+            ("1e-300", "must be 1e-12 to 1e12"), ("1e16", "must be 1e-12 to 1e12"), ("1e-8", "must be at least duration/1e7"),
+        ):
+            self.expect(f"&time\n dt = {value} /\n", "case.nml:2: &time: dt = ", words)
+        self.expect("&time dt(1) = 1 /\n", "takes no subscript")
+        self.expect("&time dt = 1\n dt = 1 /\n", "case.nml:2: &time: dt: given already in line 1")
+        self.expect("&time duration = 1e16 dt = 1e10 /\n", "duration = 1e16: must be 1e-12 to 1e12")
+        self.expect("&time dt = 1 dt_min = 1e-300 /\n", "dt_min = 1e-300: must be 1e-8 dt to dt")
+        self.expect("&time dt_increase = 0.5 /\n", "must be 1 to 1000")
+        self.expect("&solver max_iterations = 2000000000 /\n", "must be <= 1000")
+        self.expect("&solver max_cutbacks = 99999999999999999999 /\n", "must be <= 1000")
+        self.expect("&solver max_cutbacks = 1.5 /\n", "max_cutbacks = 1.5: must be one whole number")
+        self.expect("&solver symmetrise = fast /\n", "symmetrise = fast: must be .true. or .false.")
+        self.expect("&material nstatv = -1 /\n", "nstatv = -1: must be >= 0")
+        self.expect("&material nstatv = 2000000000 /\n", "nstatv = 2000000000: must be <= 1000")
+        self.expect("&element size = 1, 1, 1e-300 /\n", "every edge length must be 1e-6 to 1e6")
+        self.expect("&element size = 1,0 1,0 1,0 /\n", "must be three numbers, found 6")
+        self.expect("&face name = 'x+' time = 0, 1e16 value = 0, 1 /\n", "every time must be -1e12 to 1e12")
+
+    def test_arrays(self):
+        for values, words in (
+            ("props = 16, 4,\n 0.5, x,\n 1.1", 'case.nml:2: &material: props = 16, 4, 0.5, x, 1.1: "x" is not a number '
+                                               "(value 4, column 7)"),
+            ("props = 16, , 4", "a number is missing (value 2, column 23)"),
+            ("props = ,16", "a number is missing (value 1"),
+            ("props = 16; 4", '"16;" is not a number: numbers are separated by commas, not by semicolons (value 1'),
+            ("props = 16, 2000000000*4", "at most 1000 numbers"), ("props = 99999999999*4", "at most 1000 numbers"),
+            ("props = 16, -2*4", '"-2*4" is not a number'), ("props = 16, 0*4", '"0*4" is not a number'),
+            ("props = 16, 2*", "a number is missing (value 2"),
+            ("props(0) = 16", "props(0): a subscript is one whole number from 1 to 1000"),
+            ("props(-1) = 16", "props(-1): a subscript"), ("props(1001) = 16", "props(1001): a subscript"),
+            ("props(1:3) = 16", "props(1:3): a subscript"), ("props(1000) = 16, 4", "at most 1000 numbers"),
+            ("props(1) = 16, 4\n props(4) = 1", "value 3 is missing"),
+            ("props(1) = 16, 4\n props(2) = 1", "case.nml:2: &material: props = 1: value 2 is given twice"),
+            ("props = 16, 4\n props(3) = 1", "case.nml:2: &material: props: given already in line 1"),
+            ("props = " + 1001 * "1 ", "at most 1000 values"),
+        ):
+            self.expect(f"&material {values} /\n", words)
+
+    def test_texts(self):
+        self.expect("&output folder = out /\n", "folder = out: must be one text in quotes")
+        self.expect("&output folder = 'a' 'b' /\n", "must be one text in quotes, found 2")
+        self.expect("&output folder = 'a\n' /\n", "case.nml:1", "a quote is not closed")
+        self.expect("&output folder = ' ' /\n", "must not be empty")
+        self.expect("&output folder = out/a /\n", "text after the closing /")
+        self.expect("&time du\x01ration = 1 /\n", r'unknown variable "du\x01ration"')
+        self.expect("&time = 1 /\n", "must be NAME = VALUE")
+        self.expect("\u00a0\n&time /\n", r'"\xC2\xA0": text outside a group')
+
+    def test_what_stands_for_the_same(self):
+        plain = "&material\n props = 16, 4, 0.5, 2, 1.1, 1.01, 1, 0, 0\n/\n&time\n duration = 2\n dt = 0.1\n/\n"
+        plain += "&face name = 'x-' /\n&face name = 'y-' /\n&face name = 'z-' /\n"
+        plain += "&face name = 'x+' time = 0, 1 value = 0, 0.1 /\n"
+        rows = Run(text=plain).rows()
+        self.assertGreater(rows[-1]["G"], 1.01)
+        for text in (
+            "\ufeff" + plain, plain.replace("\n", "\r\n"), plain.replace("\n", "\r"), plain.replace("\n", " \t\n \t \n"),
+            plain.replace("1, 0, 0\n", "1 2*0,\n"), plain.replace("props =", "PROPS ="), plain.replace("0.1\n", "1.D-1\n"),
+            plain.replace("1.01, 1, 0, 0", "1.01\n props(7) = 1, 0, 0").replace("props =", "props ( 1 ) ="),
+            plain.replace("name = 'x+'", "time(2)=1,value(1)=0,value(2)=.1,name=\"x+\"direction='x'time(1)=0!")
+                 .replace("! time = 0, 1 value = 0, 0.1 /", "! = / &\n/").replace("\n&time", " ! a comment\n\n&TIME"),
+        ):
+            run = Run(text=text)
+            self.assertEqual((run.status, run.errors), (0, ""), text)
+            self.assertEqual(run.rows(), rows)
+
+    def test_flat_bricks_are_held_as_cubes_are(self):
+        run = Run(text="&element size = 1, 1, 1e-5 /\n&time duration = 1 /\n")
+        self.assertEqual((run.status, run.errors), (0, ""))
+
+
+class Writing(unittest.TestCase):
+    """What cannot be written is named with its reason; the status is 3."""
+
+    def expect(self, words, *arguments, **options):
+        run = Run(*arguments, **options)
+        self.assertEqual((run.status, run.errors), (3, words + "\n"))
+        return run
+
+    def setUp(self):
+        kept = tempfile.TemporaryDirectory(prefix="myogrowth_")
+        self.addCleanup(kept.cleanup)
+        self.folder = pathlib.Path(kept.name)
+
+    def test_a_disk_that_is_full(self):
+        (self.folder / "F.csv").write_text(Path.HEAD + "0,1,0,0,0,1,0,0,0,1\n")
+        for name, arguments in (("history.csv", []), ("newton.log", []), ("ddsdde.csv", ["--path", self.folder / "F.csv"])):
+            out = self.folder / name.replace(".", "_")
+            out.mkdir()
+            (out / name).symlink_to("/dev/full")
+            run = self.expect(f"{out / name}: cannot be written: No space left on device", *arguments, "--out", out)
+            self.assertEqual(run.screen, "")  # before the first step
+
+    def test_a_disk_that_fills_up(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+
+        for quiet in ([], ["--quiet"]):
+            run = self.expect(f"{self.folder}/newton.log: cannot be written: File too large", *quiet, "--out", self.folder,
+                              preexec_fn=limit)
+            self.assertNotIn("increments", run.screen)
+            self.assertEqual((self.folder / "newton.log").stat().st_size, 20000)
+
+    def test_the_screen(self):
+        (self.folder / "umat_1.nml").write_text(Replay.POINT)
+        for arguments in ([], ["--help"], ["--replay", self.folder / "umat_1.nml"]):
+            with open("/dev/full", "w") as full:
+                self.expect("standard output: cannot be written: No space left on device", *arguments, stdout=full)
+        run = self.expect("standard output: cannot be written: Bad file descriptor", stdout=None, preexec_fn=lambda: os.close(1))
+        self.assertFalse((run.folder / "history.csv").exists())
+
+    def test_the_folder(self):
+        file = self.folder / "file"
+        file.write_text("kept")
+        self.expect(f"{file}: cannot be made: File exists", "--out", file)
+        self.expect(f"{file}: cannot be made: File exists", "--out", file / "deeper")
+        self.assertEqual(file.read_text(), "kept")
+        (self.folder / "history.csv").mkdir()
+        self.expect(f"{self.folder}/history.csv: cannot be written: Is a directory", "--out", self.folder)
+        for name in (self.folder / "a" / "b c", self.folder.joinpath(*8 * ["f" * 200]), self.folder / "it's "):
+            run = Run("--quiet", text=f"&time duration = 1 /\n&output folder = \"{name}\" /\n")
+            self.assertEqual(run.status, 0)
+            run = Run("--quiet", "--out", str(name))
+            self.assertEqual(run.status, 0)
+            self.assertTrue((name / "history.csv").exists())
+
+    def test_wide_numbers_are_shown_whole(self):
+        run = Run(text="&time duration = 4.2e6 dt = 1e6 /\n")
+        self.assertIn("\n  4.200E+006    1.000000 ", run.screen)
+        self.assertNotIn("*", run.screen)
 
 
 class CubeJob(unittest.TestCase):
     """What ./run cube does after building."""
 
-    def cube(self, *options):
-        kept = tempfile.TemporaryDirectory(prefix="myogrowth_")
-        self.addCleanup(kept.cleanup)
-        folder = pathlib.Path(kept.name)
-        script = SOURCE / "fortran_driver" / "cube.py"
-        done = subprocess.run([sys.executable, script, "--driver", DRIVER, "--out", folder, *options],
-                              capture_output=True, text=True, timeout=300)
+    def cube(self, *options, folder=None, driver=DRIVER, **settings):
+        if folder is None:
+            kept = tempfile.TemporaryDirectory(prefix="myogrowth_")
+            self.addCleanup(kept.cleanup)
+            folder = pathlib.Path(kept.name)
+        settings = {"stdout": subprocess.PIPE, **settings}
+        done = subprocess.run([sys.executable, cube.__file__, "--driver", driver, "--out", folder, *options],
+                              stderr=subprocess.PIPE, text=True, timeout=300, **settings)
         return done, folder
 
     def test_files_and_table(self):
@@ -477,9 +698,113 @@ class CubeJob(unittest.TestCase):
         case = (folder / "cube.nml").read_text()
         self.assertIn("1.5", case)
         self.assertIn("duration = 5.0", case)
-        done, _ = self.cube("--step", "-1")
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("--step = -1.0: must be > 0", done.stderr)
+        for options, status, words in (
+            ("--step -1", 2, "argument --step: -1: must be a finite number > 0"),
+            ("--step 43", 2, "--step = 43.0: must be between --duration/100000 and --duration = 42.0"),
+            ("--step 1e-9", 2, "--step = 1e-09: must be between"), ("--ramp 43", 2, "--ramp = 43.0: must be at most --duration = 42.0"),
+            ("--tau nan", 2, "argument --tau: nan: must be a finite number"), ("--tau 0,5", 2, "must be a finite number: write a decimal point"),
+            ("--duration inf", 2, "argument --duration: inf: must be a finite number"), ("--tau 1 --tau 1", 2, "--tau is given twice"),
+            ("--ste 1", 2, "unrecognized arguments: --ste 1"), ("--step", 2, "--step: expected one argument"),
+            ("--duration 1e16 --step 1e12", 1, "duration = 1e+16: must be 1e-12 to 1e12"),
+            ("--G-max 0.9", 1, "PROPS(5) = 0.9: G_max"), ("--tau 0", 1, "PROPS(3) = 0: tau"),
+        ):
+            if status == 2:
+                errors = io.StringIO()
+                with contextlib.redirect_stderr(errors), self.assertRaises(SystemExit) as end, \
+                        unittest.mock.patch("sys.argv", ["cube.py", "--driver", str(DRIVER), *options.split()]):
+                    cube.arguments()
+                self.assertEqual(end.exception.code, 2)
+                self.assertIn(words, errors.getvalue())
+            else:
+                done, _ = self.cube(*options.split())
+                self.assertEqual((done.returncode, done.stdout), (status, ""), options)
+                self.assertIn(words, done.stderr)
+                self.assertNotIn("Traceback", done.stderr)
+
+    def test_nothing_of_an_earlier_run_is_shown(self):
+        _, folder = self.cube("--duration", "2", "--step", "1")
+        self.assertTrue((folder / "fig4_sarcomere_number.png").exists())
+        done, _ = self.cube("--tau", "0", folder=folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual([file.name for file in folder.iterdir() if file.name != "cube.nml" and file.stat().st_size > 200], [])
+        done, _ = self.cube("--tau", "0", folder=folder, driver="/bin/true")  # writes nothing and says that all is well
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertEqual(done.stderr, f"./run cube: {folder}/history.csv: No such file or directory\n")
+
+    def test_writing(self):
+        _, folder = self.cube("--duration", "2", "--step", "1")
+        file = folder / "history.csv"
+        done, _ = self.cube(folder=file)
+        self.assertEqual((done.returncode, done.stderr), (1, f"./run cube: {file}: cannot be made a folder: there is a file of that name\n"))
+        for name in ("cube.nml", "fig2_elastic_stretch.png"):
+            (folder / name).unlink()
+            (folder / name).mkdir()
+            done, _ = self.cube(folder=folder)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.assertIn(f"{folder / name}: an older run's, cannot be removed: Is a directory", done.stderr)
+            (folder / name).rmdir()
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+
+        done, _ = self.cube("--duration", "2", "--step", "1", folder=folder, preexec_fn=limit)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(f"{folder}: cannot be written to: File too large", done.stderr)
+        with open("/dev/full", "w") as full:
+            done, _ = self.cube("--duration", "2", "--step", "1", folder=folder, stdout=full)
+        self.assertEqual((done.returncode, done.stderr), (3, "standard output: cannot be written: No space left on device\n"))
+
+
+class Exact(unittest.TestCase):
+    """The exact column of ./run cube."""
+
+    @staticmethod
+    def G(times, **changed):
+        given = {"stretch": 1.1, "ramp": 0.0, "tau": TAU, "gamma": GAMMA, "G_max": G_MAX, "lambda_crit": CRIT, **changed}
+        return cube.exact(types.SimpleNamespace(**given), times)
+
+    def test_reference_values(self):
+        held = self.G([t * TAU for t in (0.5, 1, 2, 5, 12, 28, 84)])
+        for G, value in zip(held, (1.026779, 1.038940, 1.051339, 1.065455, 1.075383, 1.081909, 1.086864)):
+            self.assertAlmostEqual(G, value, delta=5.1e-7)
+        ramped = self.G([t * TAU for t in (2, 4, 8, 12, 28, 84)], ramp=2 * TAU)
+        for G, value in zip(ramped, (1.06301, 1.04078, 1.02867, 1.02386, 1.01698, 1.01213)):
+            self.assertAlmostEqual(1.1 / G, value, delta=5.1e-6)
+
+    def test_closed_forms(self):
+        """At held stretch t(G) is known: for gamma = 2 by partial fractions, for gamma = 0 and 1 by logarithms."""
+        for stretch in (1.1, 1.2, 1.5):
+            b = stretch - CRIT * G_MAX
+            primitive = {
+                0: lambda G: -G / CRIT - stretch / CRIT**2 * math.log(stretch - CRIT * G),
+                1: lambda G: (G_MAX - 1) / b * (-G_MAX * math.log(G_MAX - G) + stretch / CRIT * math.log(stretch - CRIT * G)),
+                2: lambda G: (G_MAX - 1) ** 2 * (stretch / b**2 * math.log(G_MAX - G) + G_MAX / b / (G_MAX - G)
+                                                 - stretch / b**2 * math.log(stretch - CRIT * G)),
+            }
+            for gamma, T in primitive.items():
+                for t in (0.01, 0.1, 0.3):
+                    G, = self.G([t], stretch=stretch, gamma=float(gamma))
+                    if G < G_MAX:
+                        self.assertAlmostEqual(TAU * (T(G) - T(1)), t, delta=1e-8)
+
+    def test_output_times_change_nothing(self):
+        for gamma in (0.5, 2.0):
+            fine = self.G([i / 10 for i in range(421)], gamma=gamma, ramp=1.0)
+            for i in (3, 100, 420):
+                self.assertAlmostEqual(self.G([i / 10], gamma=gamma, ramp=1.0)[0], fine[i], delta=1e-9)
+
+    def test_bounds(self):
+        """Far beyond tau in one interval: the flow has ended, and no bound is passed."""
+        for gamma in (0.0, 0.3, 1.0, 2.0, 7.0, 1e6):
+            for stretch in (0.9, 1.0, 1.05, 1.1, 1.2, 3.0):
+                for tau in (0.5, 1e-5, 1e5):
+                    G = self.G([10.0, 42.0, 1e6, 1e12], gamma=gamma, stretch=stretch, tau=tau, ramp=1.0)
+                    limit = min(G_MAX, max(1, stretch / CRIT))
+                    self.assertTrue(all(b >= a - 1e-10 for a, b in zip(G, G[1:])), (gamma, stretch, tau, G))
+                    self.assertTrue(all(1 <= x <= limit + 1e-10 for x in G), (gamma, stretch, tau, G))
+                    if gamma <= 1:
+                        self.assertAlmostEqual(G[-1], limit, delta=1e-9)
+        self.assertEqual(list(self.G([1.0, 2.0], stretch=0.9, lambda_crit=0.95, ramp=1.0))[0],
+                         list(self.G([1.0, 2.0], stretch=0.9, lambda_crit=0.95, ramp=1.0))[1])  # below the threshold
 
 
 if __name__ == "__main__":
