@@ -62,7 +62,7 @@ class _Lines:
     def next(self, expected):
         end = self.text.find(b"\n", self.at)
         if end < 0:
-            self.fail(f"the file ends here, expected {expected}: was the job interrupted?")
+            self.fail(f"the file ends here, expected {expected}: is the disk full, or was the job interrupted?")
         line = self.text[self.at:end]
         self.at, self.line = end + 1, self.line + 1
         return line
@@ -83,7 +83,7 @@ class _Lines:
         if not right.all():
             self.fail(f"expected {expected}", first_line + int(np.argmin(right)) * lines_per_row)
         if whole < count:
-            self.fail(f"the file ends in row {whole + 1} of {count}, expected {expected}: was the job interrupted?",
+            self.fail(f"the file ends in row {whole + 1} of {count}, expected {expected}: is the disk full, or was the job interrupted?",
                       first_line + whole * lines_per_row)
         self.at, self.line = begin + count * width, first_line + count * lines_per_row
         return grid
@@ -281,7 +281,7 @@ class Dat:
             end = len(text) - 1
         if end < 0:
             if job_has_ended and text[lines.at:].strip():
-                lines.fail("the file ends in the middle of a block: was the job interrupted?",
+                lines.fail("the file ends in the middle of a block: is the disk full, or was the job interrupted?",
                            lines.line + text.count(b"\n", lines.at))
             return None
         head = lines.next("a heading")

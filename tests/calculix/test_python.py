@@ -846,6 +846,14 @@ class Options(Folder):
                 self.assertEqual(studies.do_all(a, {"one": case}), {"one": kept_run})
             self.assertEqual(said.getvalue()[:len(words) or None], words)
 
+    def test_a_worker_of_studies_is_killed(self):
+        """As a machine without memory left does it: the pool alone would wait for ever."""
+        studies = importlib.import_module("studies")
+        self.ccx.write_text("#!/bin/sh\nkill -9 $PPID\n")
+        a = types.SimpleNamespace(out=self.folder / "out", ccx=self.ccx, library_dir=self.folder, jobs=1)
+        with contextlib.redirect_stdout(io.StringIO()), self.assertRaisesRegex(files.FileError, "ended from outside"):
+            studies.do_all(a, {"one": deck.Case("tiny", duration=1.0)})
+
     def test_no_results(self):
         self.ccx.write_text("#!/bin/sh\necho nothing to do\n")
         done = self.call()
@@ -1035,6 +1043,20 @@ class Job(Folder):
         _, straight = self.run_job("straight", "--duration", 14)
         self.assertEqual((out / "history.csv").read_text(), (straight / "history.csv").read_text())
         self.assertEqual((out / "ccx" / "leg0.npz").read_bytes(), (self.folder / "kept.npz").read_bytes())
+
+    def test_runs_of_studies(self):
+        studies = importlib.import_module("studies")
+        a = types.SimpleNamespace(out=self.folder, ccx=pathlib.Path(CCX), library_dir=pathlib.Path(LIBRARY_DIR), jobs=2)
+        cases = {"one": deck.Case("tiny", duration=1.0), "two, at 20": deck.Case("tiny", duration=1.0, fibre_angle=20.0)}
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            found = studies.do_all(a, cases)
+            means = [studies.Run(folder).at("lambda_e_mean", 1.0) for folder in found.values()]
+            times = [(folder / "fields.npz").stat().st_mtime_ns for folder in found.values()]
+            self.assertEqual(studies.do_all(a, cases), found)
+        self.assertIn("2 runs, 0 of them kept", said.getvalue())
+        self.assertIn("2 runs, 2 of them kept", said.getvalue())
+        self.assertGreater(means[0], means[1] + 0.001)
+        self.assertEqual([(folder / "fields.npz").stat().st_mtime_ns for folder in found.values()], times)
 
     def test_what_ccx_did_not_write(self):
         """A disk that is full, a file that is cut: ccx ends with status 0, and its job is not taken for done."""
