@@ -26,8 +26,8 @@ STUBS = {
 case "$*" in
   *"--target help"*) [ "$CMAKE" != no-list ] || { echo "ninja: broken"; exit 3; }; echo "all: phony" ;;
   *--build*)
-    echo "begin $*" >>"$LOG"
     for i in {1..300}; do echo "[$i/300] Building CXX object $i"; done
+    echo "begin $*" >>"$LOG"
     if [ "$CMAKE" = broken ]; then echo "FAILED: a.cpp"; echo "a.cpp:1: error: no such thing"; exit 1; fi
     while [ -e "$HOLD_BUILD" ]; do sleep 0.02; done
     mkdir -p build/fortran_driver
