@@ -18,7 +18,8 @@ static_assert(MYOGROWTH_OK == static_cast<int>(Status::ok) &&
                   MYOGROWTH_NOT_FINITE == static_cast<int>(Status::not_finite) &&
                   MYOGROWTH_INVERTED == static_cast<int>(Status::inverted) &&
                   MYOGROWTH_NO_FIBRE == static_cast<int>(Status::no_fibre) &&
-                  MYOGROWTH_BAD_STATE == static_cast<int>(Status::bad_state),
+                  MYOGROWTH_BAD_STATE == static_cast<int>(Status::bad_state) &&
+                  MYOGROWTH_NOT_CONVERGED == static_cast<int>(Status::not_converged),
               "the kernel's status is passed on as it is");
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
@@ -243,6 +244,7 @@ const char* myogrowth_status_text(int status) {
     case MYOGROWTH_INVERTED:
     case MYOGROWTH_NO_FIBRE:
     case MYOGROWTH_BAD_STATE:
+    case MYOGROWTH_NOT_CONVERGED:
       return abi::text(static_cast<Status>(status));
     case MYOGROWTH_BAD_PARAMETER:
       return "bad parameter: an entry of props is missing or not allowed";

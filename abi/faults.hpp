@@ -36,6 +36,8 @@ inline const char* text(Status status) {
       return "no fibre: n0 must have a length > 0";
     case Status::bad_state:
       return "bad state: G must be >= 0, and G and the fibre finite";
+    case Status::not_converged:
+      return "not converged: the stretch that frees the stress was not found in 200 iterations";
   }
   return "unknown status";
 }

@@ -37,7 +37,8 @@ enum myogrowth_status {
   MYOGROWTH_NO_FIBRE = 3,       ///< the fibre direction is zero in props, and not in the state either
   MYOGROWTH_BAD_STATE = 4,      ///< G < 0, or G or the fibre in the state is not finite
   MYOGROWTH_BAD_PARAMETER = 5,  ///< an entry of props is missing or not allowed
-  MYOGROWTH_BAD_ARGUMENT = 6    ///< a needed pointer is NULL; an unknown measure; no room for the state
+  MYOGROWTH_BAD_ARGUMENT = 6,   ///< a needed pointer is NULL; an unknown measure; no room for the state
+  MYOGROWTH_NOT_CONVERGED = 7   ///< the stretch that frees the stress was not found in 200 iterations
 };
 
 /// The measures of stress and tangent, and their sizes.

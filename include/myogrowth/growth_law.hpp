@@ -31,7 +31,7 @@ namespace myogrowth {
 
 /// Result of a step of a growth law.
 struct LawUpdate {
-  Status status;       ///< ok, inverted or not_finite; then g is g_n and all else NaN
+  Status status;       ///< ok; or inverted, not_finite or not_converged: then g is g_n and all else NaN
   double g;            ///< growth variable at the end of the step
   Mat3<double> dg_dF;  ///< its derivative, that of this discrete step
   Mat3<double> P;      ///< first Piola-Kirchhoff stress [stress]
@@ -94,7 +94,11 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
       u.g = high;
     } else {
       double g = low, step = high - low;
-      for (int i = 0; i < 200 && std::abs(step) > 4 * std::numeric_limits<double>::epsilon() * g; ++i) {
+      const auto is_rounding = [](double x, double g_) {
+        return std::abs(x) <= 4 * std::numeric_limits<double>::epsilon() * g_;
+      };
+      for (int i = 0; !is_rounding(step, g) && !is_rounding(high - low, g); ++i) {
+        if (i == 200) return fail(Status::not_converged);
         const Complex R = residual(g);
         (R.real() < 0 ? low : high) = g;
         double next = g - R.real() * h / R.imag();

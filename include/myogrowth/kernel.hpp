@@ -51,10 +51,11 @@ struct FibreGrowth {
 /// What became of an update. Everything but ok leaves the state as it was and the stresses NaN.
 enum class Status {
   ok = 0,
-  not_finite,  ///< NaN or infinity in F, n0, G or dt, or a result beyond the range of the scalar
-  inverted,    ///< det F <= 0
-  no_fibre,    ///< n0 has no direction: its length is zero
-  bad_state    ///< G <= 0
+  not_finite,        ///< NaN or infinity in F, n0, G or dt, or a result beyond the range of the scalar
+  inverted,          ///< det F <= 0
+  no_fibre,          ///< n0 has no direction: its length is zero
+  bad_state,         ///< G <= 0
+  not_converged = 7  ///< a stretch or growth variable was not found in 200 iterations (5, 6: myogrowth.h's)
 };
 
 /// Result of update_point.

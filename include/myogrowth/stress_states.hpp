@@ -14,9 +14,9 @@ namespace detail {
 
 /// Finds the stretch x > 0 at which a stress vanishes that grows with it, starting from x.
 /// evaluate(x, stress, slope) gives the stress and its derivative with respect to ln x. On return the last
-/// evaluation was made at the stretch found. Newton's method, halving the bracket where that does not do
-/// better: the stress has a kink where growth sets in, and is almost flat while growth takes up all of the
-/// stretch.
+/// evaluation was made at the stretch found; not_converged if 200 do not find it. Newton's method, halving
+/// the bracket where that does not do better: the stress has a kink where growth sets in, and is almost flat
+/// while growth takes up all of the stretch.
 template <class T, class Evaluate>
 MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
   using V = Real<T>;
@@ -48,7 +48,7 @@ MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
       x = T(middle);
     }
   }
-  return Status::not_finite;
+  return Status::not_converged;
 }
 
 /// Entry row, column of the spatial modulus.

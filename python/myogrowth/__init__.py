@@ -53,6 +53,7 @@ class Status(enum.IntEnum):
     BAD_STATE = 4  #: G or the fibre of the state is not allowed
     BAD_PARAMETER = 5  #: a parameter is not allowed
     BAD_ARGUMENT = 6  #: an argument is not allowed
+    NOT_CONVERGED = 7  #: the stretch that frees the stress was not found in 200 iterations
 
 
 class MyogrowthError(ValueError):

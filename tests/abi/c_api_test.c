@@ -126,12 +126,14 @@ static void test_tables(void) {
   CHECK(myogrowth_prop_index("nothing") == -1 && myogrowth_prop_index("") == -1);
   CHECK(myogrowth_prop_index(NULL) == -1 && myogrowth_state_index(NULL) == -1);
 
-  for (int status = MYOGROWTH_OK; status <= MYOGROWTH_BAD_ARGUMENT; ++status) {
+  for (int status = MYOGROWTH_OK; status <= MYOGROWTH_NOT_CONVERGED; ++status) {
     for (int other = MYOGROWTH_OK; other < status; ++other)
       CHECK(strcmp(myogrowth_status_text(status), myogrowth_status_text(other)) != 0);
   }
   CHECK_TEXT(myogrowth_status_text(-1), "unknown");
-  CHECK_TEXT(myogrowth_status_text(7), "unknown");
+  CHECK_TEXT(myogrowth_status_text(8), "unknown");
+  CHECK_TEXT(myogrowth_status_text(MYOGROWTH_NOT_CONVERGED),
+             "not converged: the stretch that frees the stress");
   CHECK(myogrowth_stress_size(MYOGROWTH_CAUCHY) == 6);
   CHECK(myogrowth_stress_size(MYOGROWTH_FIRST_PIOLA) == 9);
   CHECK(myogrowth_stress_size(MYOGROWTH_SECOND_PIOLA) == 6);

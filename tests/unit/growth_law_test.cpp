@@ -95,6 +95,28 @@ TEST(GrowthLaw, TheEndsOfTheWay) {
   EXPECT_TRUE(full.ok());
 }
 
+// A law whose derivative is not that of its rate: Newton's steps are then 10,000 times too short.
+struct WrongDerivative {
+  double limit() const { return 1.5; }
+  template <class T>
+  Mat3<T> growth_tensor(const T& g, const Vec3<T>& n0) const {
+    return myogrowth::growth_tensor(n0, g);
+  }
+  template <class T>
+  T rate(const T& g, const Mat3<T>&, const Vec3<T>&) const {
+    const double exact = 1.5 - value(g);
+    return T(exact) - T(1e4) * (g - T(value(g)));
+  }
+};
+
+TEST(GrowthLaw, SaysThatItHasNotConverged) {
+  const LawUpdate u = update(WrongDerivative(), NeoHookean<>(), stretched, n0, 1.2, 1);
+  EXPECT_EQ(u.status, Status::not_converged);
+  EXPECT_FALSE(u.ok());
+  EXPECT_EQ(u.g, 1.2);
+  EXPECT_TRUE(std::isnan(u.P.norm()) && std::isnan(u.dP_dF.norm()));
+}
+
 TEST(GrowthLaw, NoResult) {
   const Isotropic law;
   const NeoHookean<> elasticity;

@@ -176,6 +176,25 @@ TEST(PlaneStress, SaysWhatItCannotTake) {
   EXPECT_TRUE(std::isnan(u.tau[0]));
 }
 
+// A stress that no stretch frees, and one that jumps over zero without end.
+TEST(FreeStretch, SaysThatItHasNotConverged) {
+  int evaluations = 0;
+  double x = 1;
+  const auto never_free = [&](double, double& stress, double& slope) {
+    ++evaluations;
+    stress = -1, slope = 1;
+    return Status::ok;
+  };
+  EXPECT_EQ(detail::free_stretch(x, never_free), Status::not_converged);
+  EXPECT_EQ(evaluations, 200);
+  const auto jumps = [](double at, double& stress, double& slope) {
+    stress = at < 2 ? -1 : 1, slope = 1e-3;
+    return Status::ok;
+  };
+  x = 1;
+  EXPECT_EQ(detail::free_stretch(x, jumps), Status::not_converged);
+}
+
 TEST(UniaxialStress, FreesTheSidesAndCondensesTheSlope) {
   samples::Random r(53);
   for (int i = 0; i < 300; ++i) {
