@@ -83,7 +83,8 @@ class _Lines:
         if not right.all():
             self.fail(f"expected {expected}", first_line + int(np.argmin(right)) * lines_per_row)
         if whole < count:
-            self.fail(f"the file ends in row {whole + 1} of {count}, expected {expected}: is the disk full, or was the job interrupted?",
+            self.fail(f"the file ends in row {whole + 1} of {count}, expected {expected}: is the disk full, or was the job "
+                      "interrupted?",
                       first_line + whole * lines_per_row)
         self.at, self.line = begin + count * width, first_line + count * lines_per_row
         return grid
@@ -309,4 +310,5 @@ class Dat:
         if width <= 0 or width % 14:
             lines.fail("expected element (10 characters), Gauss point (4), values (14 each)", lines.line - count)
         elements, points = (lines.numbers(grid, begin, size, 1, int)[:, 0] for begin, size in ((0, 10), (10, 4)))
-        return Print(name, found["set"].decode(errors="replace"), time, elements, points, lines.numbers(grid, 14, 14, width // 14, float))
+        values = lines.numbers(grid, 14, 14, width // 14, float)
+        return Print(name, found["set"].decode(errors="replace"), time, elements, points, values)

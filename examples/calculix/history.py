@@ -26,7 +26,8 @@ class GaussPoints:
         if not (np.array_equal(printed.elements, self.elements) and np.array_equal(printed.points, self.numbers)):
             raise files.FileError(f"the print of {printed.name} at day {printed.time:g} has other Gauss points than the mesh")
         if printed.values.shape[1] != len(deck.STATE):
-            raise files.FileError(f"{printed.values.shape[1]} state variables at day {printed.time:g}: expected {len(deck.STATE)}")
+            raise files.FileError(f"{printed.values.shape[1]} state variables at day {printed.time:g}: expected "
+                                  f"{len(deck.STATE)}")
 
     def element_means(self, values):
         """(elements, components) means over the volume of every element of (points, components) values."""

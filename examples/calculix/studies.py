@@ -169,8 +169,8 @@ def do_all(a, cases):
     programs = kept.programs(a.ccx, a.library_dir / cylinder.LIBRARY)
     older = [job.name for job in jobs if job not in waiting and kept.changed_programs(job.folder, programs)]
     if older:
-        print(f"warning: made with another ccx or {cylinder.LIBRARY}: {'; '.join(older)}. Remove their folders in {a.out}/ to have "
-              "them made again", file=sys.stderr)
+        print(f"warning: made with another ccx or {cylinder.LIBRARY}: {'; '.join(older)}. Remove their folders in {a.out}/ to "
+              "have them made again", file=sys.stderr)
     if waiting:
         # Ctrl-C or a request to end: SystemExit, so that the worker ends its ccx and itself.
         with multiprocessing.Pool(min(a.jobs, len(waiting)), leave_on_signals) as pool:

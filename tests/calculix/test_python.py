@@ -78,7 +78,8 @@ class Files(Folder):
 
     def test_tables(self):
         """What spreadsheets and other systems make of a table is the same table."""
-        for text in ("t,G\n0,1\n7,1.05\n", "\ufefft,G\r\n0,1\r\n7,1.05\r\n", "t,G\r0,1\r7,1.05", " t , G \n\n  \n0, 1 \n,,\n\"7\",1.05\n",
+        for text in ("t,G\n0,1\n7,1.05\n", "\ufefft,G\r\n0,1\r\n7,1.05\r\n", "t,G\r0,1\r7,1.05",
+                     " t , G \n\n  \n0, 1 \n,,\n\"7\",1.05\n",
                      "# a comment\nt,G,,\n0,1,,\n7,1.05,,  # another\n,,,\n"):
             self.path.write_bytes(text.encode())
             self.assertEqual(files.read_columns(self.path, ["t", "G"]), {"t": [0, 7], "G": [1, 1.05]}, text)
@@ -101,7 +102,8 @@ class Files(Folder):
             self.fails(words, files.read_columns, self.path, ["t", "G"])
 
     def test_bad_json(self):
-        for text, words in (('{"a": 1', "table.csv:1: column 8: is damaged or no JSON"), ("", "is damaged"), ("[1]", "expected an object"),
+        for text, words in (('{"a": 1', "table.csv:1: column 8: is damaged or no JSON"),
+                            ("", "is damaged"), ("[1]", "expected an object"),
                             ("[" * 100000, "nested too deeply")):
             self.path.write_text(text)
             self.fails(words, files.read_json, self.path)
@@ -159,22 +161,27 @@ class Files(Folder):
 
     def test_programs_say_what_they_cannot_read_or_write(self):
         timing = self.folder / "benchmark.json"
-        run = {"run_type": "iteration", "run_name": "umat_/cache/active/2/threads:1", "name": "umat_", "family_index": 0, "threads": 1,
-               "cpu_time": 5.0, "points": 1, "bytes_read": 8, "bytes_written": 8, "difference": 0}
+        run = {"run_type": "iteration", "run_name": "umat_/cache/active/2/threads:1", "name": "umat_", "family_index": 0,
+               "threads": 1, "cpu_time": 5.0, "points": 1, "bytes_read": 8, "bytes_written": 8, "difference": 0}
         for name in ("results.json", "chart.png"):
             (self.folder / name).write_text("older")
         for text, script, arguments, words in (
                 ("{", "bench/report.py", [timing], f"report.py: {timing}:1: column 2: is damaged or no JSON"),
                 ("{}", "bench/report.py", [timing], f"report.py: {timing}: is not what `bench` writes: KeyError 'benchmarks'"),
                 (json.dumps({"benchmarks": [], "context": {}}), "bench/report.py", [timing], "has no timings"),
-                (json.dumps({"benchmarks": [{**run, "cpu_time": math.nan}]}), "bench/report.py", [timing], "umat_: cpu_time = nan: expected"),
-                (json.dumps({"benchmarks": [{**run, "run_name": "umat_"}]}), "bench/report.py", [timing], "is not what `bench` writes"),
+                (json.dumps({"benchmarks": [{**run, "cpu_time": math.nan}]}), "bench/report.py", [timing],
+                 "umat_: cpu_time = nan: expected"),
+                (json.dumps({"benchmarks": [{**run, "run_name": "umat_"}]}), "bench/report.py", [timing],
+                 "is not what `bench` writes"),
                 ("", "bench/mpi_scaling.py", [], "usage: mpi_scaling.py MUSCLE"),
-                ("", "bench/mpi_scaling.py", ["muscle", "PART=all"], "PART=all: must be PART= and some of loops,krylov,ranks,weak"),
+                ("", "bench/mpi_scaling.py", ["muscle", "PART=all"],
+                 "PART=all: must be PART= and some of loops,krylov,ranks,weak"),
                 ("", "examples/calculix/cylinder_mesh.py", ["tiny", "/dev/full"],
                  "cylinder_mesh.py: /dev/full: cannot be written: No space left on device"),
-                ("", "examples/calculix/cylinder_mesh.py", ["tiny", timing / "x"], "benchmark.json/x: cannot be written: Not a directory"),
-                ("", "examples/calculix/figures.py", [self.folder], f"figures.py: {self.folder}/case.json: No such file or directory"),
+                ("", "examples/calculix/cylinder_mesh.py", ["tiny", timing / "x"],
+                 "benchmark.json/x: cannot be written: Not a directory"),
+                ("", "examples/calculix/figures.py", [self.folder],
+                 f"figures.py: {self.folder}/case.json: No such file or directory"),
                 ("", "docs/site/build_site.py", [timing], "cannot be made a folder: there is a file of that name"),
                 ("", "tests/docs/check_manual.py", [timing], "usage: check_manual.py"),
                 ("", "tests/docs/verify.py", ["build", "--check", "/nowhere"], "verify.py: /nowhere: No such file or directory")):
@@ -446,13 +453,15 @@ class Frd(Folder):
         self.bad(text.replace("-1.50000E+00", "         NaN"), 9, "'         NaN' in columns 26 to 37: expected a finite number")
         self.bad(text.replace("6.00000E+00-6", "   Infinity-6"), 27, "expected a finite number")
         self.bad(text.replace("1.000000000 ", "        nan ", 1), 16, "expected a time")
-        self.bad(text.replace(" -1        20 2.00000E+00", " -1        10 2.00000E+00", 1), 16, "DISP is written twice for a node")
+        self.bad(text.replace(" -1        20 2.00000E+00", " -1        10 2.00000E+00", 1), 16,
+                 "DISP is written twice for a node")
         self.bad(text.replace("2C                             6", "2C                             0"), 3, "0 nodes: must be >= 1")
         for count in ("999999999", "       -1"):
             for line, what in ((3, "nodes"), (11, "elements"), (16, "nodes")):
                 lines = text.splitlines(keepends=True)
                 lines[line - 1] = lines[line - 1][:24] + count.rjust(12) + lines[line - 1][36:]
-                self.bad("".join(lines), line, f"{count.strip()} {what}: must be >= {int(line == 3)} and, by the length of the file, <= ")
+                least = int(line == 3)
+                self.bad("".join(lines), line, f"{count.strip()} {what}: must be >= {least} and, by the length of the file, <= ")
 
     def test_ends_of_lines_of_two_characters(self):
         path = self.folder / "dos.frd"
@@ -579,19 +588,23 @@ class History(Folder):
         flipped[half] ^= 1
         for name, content, words in (
                 ("history.csv", good["history.csv"][:-20], "history.csv:3: "),
-                ("history.csv", good["history.csv"].replace(b",1.07", b",nan", 1), "history.csv:2: lambda_e_mean = 'nan': expected a finite"),
+                ("history.csv", good["history.csv"].replace(b",1.07", b",nan", 1),
+                 "history.csv:2: lambda_e_mean = 'nan': expected a finite"),
                 ("history.csv", good["history.csv"].replace(b"G_max", b"G"), "history.csv:1: "),
                 ("history.csv", b"\n".join(good["history.csv"].split(b"\n")[:2]) + b"\n", "end before day 7"),
-                ("fields.npz", good["fields.npz"][:half], "fields.npz: is damaged or cut"), ("fields.npz", b"", "is damaged or cut"),
+                ("fields.npz", good["fields.npz"][:half], "fields.npz: is damaged or cut"),
+                ("fields.npz", b"", "is damaged or cut"),
                 ("fields.npz", bytes(flipped), "fields.npz: is damaged or cut"), ("fields.npz", b"text", "is damaged or cut"),
                 ("fields.npz", npz(gauss=states), "fields.npz: gauss[1, 3, 0] = nan: expected a finite number"),
                 ("fields.npz", npz(gauss=fields["gauss"][:, :5]), "fields.npz: gauss has shape (2, 5, 5): expected (2, 800, "),
                 ("fields.npz", npz(times=[1.0, 5.0]), "end before day 7, the end of the run"),
                 ("fields.npz", npz(times=np.array([None, 7.0])), "is damaged or cut"),
-                ("case.json", good["case.json"][:-9], "case.json:1: column"), ("case.json", b"[]", "case.json: expected an object"),
+                ("case.json", good["case.json"][:-9], "case.json:1: column"),
+                ("case.json", b"[]", "case.json: expected an object"),
                 ("case.json", good["case.json"].replace(b'"pull"', b'"push"'), "case.json: pull is missing"),
                 ("case.json", good["case.json"].replace(b"40.0", b"NaN"), "case.json: pull = nan: expected a finite number"),
-                ("case.json", good["case.json"].replace(b"clamped", b"clamqed"), "case.json: ends = 'clamqed': expected one of clamped"),
+                ("case.json", good["case.json"].replace(b"clamped", b"clamqed"),
+                 "case.json: ends = 'clamqed': expected one of clamped"),
                 ("case.json", good["case.json"].replace(b"tiny", b"edge x"), "mesh 'edge x': must be one of tiny, "),
                 ("case.json", good["case.json"].replace(b"40.0", b'"far"'), "case.json: pull = 'far': expected a number")):
             for path, text in good.items():
@@ -769,8 +782,8 @@ class Options(Folder):
         done = self.call()
         self.assertEqual((done.returncode, done.stderr),
                          (1, f"cylinder.py: {out}: cannot be made a folder: there is a file of that name\n"))
-        done = subprocess.run([sys.executable, EXAMPLES / "cylinder.py", *self.base[:-1], self.folder / "full"], capture_output=True,
-                              text=True, preexec_fn=no_room(8192))
+        done = subprocess.run([sys.executable, EXAMPLES / "cylinder.py", *self.base[:-1], self.folder / "full"],
+                              capture_output=True, text=True, preexec_fn=no_room(8192))
         self.assertEqual((done.returncode, done.stderr),
                          (1, f"cylinder.py: {self.folder}/full: cannot be written to: File too large\n"))
         done = self.call("--out", "/proc/nothing")
@@ -805,7 +818,8 @@ class Options(Folder):
         studies = importlib.import_module("studies")
         out = self.folder / "out"
         (out / "coarse").mkdir(parents=True)
-        for text, words in (("{", "coarse/case.json:1: column 2: is damaged or no JSON"), ("{}", "coarse/case.json: size is missing")):
+        for text, words in (("{", "coarse/case.json:1: column 2: is damaged or no JSON"),
+                            ("{}", "coarse/case.json: size is missing")):
             (out / "coarse" / "case.json").write_text(text)
             done = self.main("studies", *self.base[2:])
             self.assertEqual(done.returncode, 1)
@@ -818,7 +832,8 @@ class Options(Folder):
         paper = self.folder / "paper"
         paper.mkdir()
         (paper / "case.json").write_text(json.dumps(deck.Case("paper", ramp=2.0)._asdict()))
-        for options, status, words in (((), 1, "coarse/"), (("--jobs", "0"), 2, "--jobs: 0: must be"), (("--jobs", "nan"), 2, "must be a whole number"),
+        for options, status, words in (((), 1, "coarse/"), (("--jobs", "0"), 2, "--jobs: 0: must be"),
+                                       (("--jobs", "nan"), 2, "must be a whole number"),
                                        (("--write", page), 1, "page.md: no section between"),
                                        (("--paper", paper), 1, f"--paper {paper}: the run there has ramp = 2.0, not 1.0"),
                                        (("--paper", self.folder / "none"), 1, "none/case.json: No such file or directory")):
@@ -1103,13 +1118,16 @@ class Job(Folder):
                             (lambda ccx: flip(ccx / "leg0.npz", 5000), "leg0.npz: is damaged or cut"),
                             (lambda ccx: rewrite(ccx / "leg1.npz", rows=not_a_number), "leg1.npz: rows[2, 1] = nan"),
                             (lambda ccx: rewrite(ccx / "leg1.npz", rows=last["rows"][:-1]), "leg1.npz: ends on day "),
-                            (lambda ccx: rewrite(ccx / "leg1.npz", state=last["state"][:, :2]), "leg1.npz: state has shape (800, 2)"),
-                            (lambda ccx: rewrite(ccx / "leg1.npz", digests=["x", *last["digests"][1:]]), "made with another deck"),
+                            (lambda ccx: rewrite(ccx / "leg1.npz", state=last["state"][:, :2]),
+                             "leg1.npz: state has shape (800, 2)"),
+                            (lambda ccx: rewrite(ccx / "leg1.npz", digests=["x", *last["digests"][1:]]),
+                             "made with another deck"),
                             (lambda ccx: cut(ccx / "leg1.frd"), "leg1.frd: is cut, or not the one that this run wrote"),
                             (lambda ccx: flip(ccx / "leg1.frd", 5000), "leg1.frd: is cut, or not the one"),
                             (lambda ccx: (ccx / "leg0.frd").unlink(), "leg0.frd: No such file"),
                             (lambda ccx: (ccx / "leg1.npz").unlink(), "leg1.rin: No such file"),
-                            (lambda ccx: ((ccx / "leg1.npz").unlink(), (ccx / "leg1.rin").write_text("x")), "leg1.rin: is cut, or not"),
+                            (lambda ccx: ((ccx / "leg1.npz").unlink(), (ccx / "leg1.rin").write_text("x")),
+                             "leg1.rin: is cut, or not"),
                             (lambda ccx: cut(ccx.parent / "case.json"), "case.json:")):
             done = resumed(harm)
             self.assertEqual(done.returncode, 1, words)

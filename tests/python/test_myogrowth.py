@@ -338,8 +338,8 @@ def test_every_number_of_a_point_that_failed_is_nan():
             assert np.isfinite(values[0]).all() and np.isnan(values[1:]).all()
         for after, before in ((step.state.G, G), (step.state.stretch, stretch), (step.state.n0, n0)):
             np.testing.assert_array_equal(after[1:], before[1:])
-    texts = ["", r"F\[0, 1\] = nan: must be finite", "det F = -1.21: must be > 0", "not finite: a result is beyond", "no fibre: n0 = 0",
-             r"n0\[1\] = inf: must be finite", "G = 0: must be > 0 and finite", "stretch = 0: must be > 0 and finite",
+    texts = ["", r"F\[0, 1\] = nan: must be finite", "det F = -1.21: must be > 0", "not finite: a result is beyond",
+             "no fibre: n0 = 0", r"n0\[1\] = inf: must be finite", "G = 0: must be > 0 and finite", "stretch = 0: must be > 0 and finite",
              "G = -inf: must be > 0 and finite"]
     for i in range(1, 9):
         with pytest.raises(MyogrowthError, match="^" + texts[i]) as error:
@@ -407,9 +407,10 @@ def test_others_may_run_while_the_law_works():
 def test_the_example_says_what_it_cannot_write(tmp_path):
     example = pathlib.Path(__file__).parents[2] / "examples/python/six_weeks.py"
     (tmp_path / "six_weeks.png").write_text("older")
-    for folder, stdout, said in ((tmp_path / "six_weeks.png", subprocess.DEVNULL, "cannot be made a folder: there is a file of that name"),
-                                 (tmp_path, open("/dev/full", "w"), "standard output cannot be written: No space left on device")):
-        done = subprocess.run([sys.executable, example, folder], stdout=stdout, stderr=subprocess.PIPE, text=True)
+    for folder, stdout, said in ((tmp_path / "six_weeks.png", "/dev/null", "cannot be made a folder: there is a file of that name"),
+                                 (tmp_path, "/dev/full", "standard output cannot be written: No space left on device")):
+        with open(stdout, "w") as out:
+            done = subprocess.run([sys.executable, example, folder], stdout=out, stderr=subprocess.PIPE, text=True)
         assert done.returncode == 1 and said in done.stderr and done.stderr.count("\n") == 1
 
 
