@@ -20,9 +20,13 @@ program driver
   type(material) :: m
   type(report) :: r
   type(path) :: p
-  logical :: quiet
+  logical :: quiet, wants_help
 
   call read_command_line()
+  if (wants_help) then
+    call print_help()
+    stop
+  end if
   call start_output(quiet)
   if (input_file == '') then
     call default_run(s)
@@ -57,13 +61,14 @@ contains
     path_file = ''
     replay_file = ''
     quiet = .false.
+    wants_help = .false.
     i = 1
     do while (i <= command_argument_count())
       argument = argument_at(i)
       select case (argument)
       case ('--help', '-h')
-        call print_help()
-        stop
+        wants_help = .true.
+        return
       case ('--quiet')
         quiet = .true.
       case ('--out')

@@ -77,7 +77,7 @@ contains
 
   ! Strain increment and rotation of Hughes and Winget, from the displacement gradient at mid-increment: what
   ! Abaqus hands to a UMAT, and by which it turns the old stress. Not a number for a half turn in one
-  ! increment, which only a UMAT that is not a function of F alone would notice.
+  ! increment, which only a UMAT that does not depend on F only would notice.
   subroutine hughes_winget(F0, F1, dstran, drot)
     real(dp), intent(in) :: F0(3, 3), F1(3, 3)
     real(dp), intent(out) :: dstran(ntens), drot(3, 3)

@@ -129,7 +129,10 @@ contains
       call add_values(name - 1)
       if (equals < here) exit
       if (size(g%item) == most_items) call g%fail_at(number, 'more than '//str(most_items)//' assignments')
-      new = assignment(name='', line=number, values='', word=no_words)
+      new%first = 0
+      new%line = number
+      new%values = ''
+      new%word = no_words
       call take_name(trim(adjustl(hidden(name:equals - 1))))
       g%item = [g%item, new]
       here = equals + 1
@@ -140,6 +143,7 @@ contains
     ! The values in line(here:last).
     subroutine add_values(last)
       integer, intent(in) :: last
+      type(word) :: new_word
       integer :: finish
 
       here = here + verify(hidden(here:last)//'.', ' ') - 1
@@ -156,7 +160,10 @@ contains
             if (size(now%word) == most_values) then
               call g%fail_at(number, now%name//': at most '//str(most_values)//' values')
             end if
-            now%word = [now%word, word(line(here:finish - 1), number, here)]
+            new_word%text = line(here:finish - 1)
+            new_word%line = number
+            new_word%column = here
+            now%word = [now%word, new_word]
             now%after_comma = .false.
           end if
           here = finish + verify(hidden(finish:last)//'.', ' ') - 1

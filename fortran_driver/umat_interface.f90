@@ -64,7 +64,7 @@ contains
     message = ''
     if (index(file, '/') > 0) then
       handle = dlopen(file//c_null_char, rtld_now)
-    else  ! a bare name would be looked for in the system's folders alone
+    else  ! a bare name would be looked for only in the system's folders
       handle = dlopen('./'//file//c_null_char, rtld_now)
     end if
     if (.not. c_associated(handle)) then
