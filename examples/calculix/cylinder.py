@@ -73,12 +73,15 @@ def arguments():
     check("ramp", 1e-4 <= a.ramp <= 3650, "> 0, at least 0.0001 and at most 3650")
     check("duration", a.duration >= a.ramp, f">= --ramp = {a.ramp:g}")
     check("duration", a.duration <= 3650, "<= 3650, ten years")
+    check("duration", a.duration == a.ramp or a.duration >= (1 + deck.NEAR) * a.ramp,
+          f"--ramp = {a.ramp:.12g}, or more than it by {deck.NEAR:.1%} at least")
     check("pull", 0 < a.pull <= 200, "> 0 and <= 200")
     check("fibre_angle", 0 <= a.fibre_angle < 90, ">= 0 and < 90")
     check("tendon_length", 0 < a.tendon_length < 200, "> 0 and < 200")
     check("tendon_stiffness", 0 < a.tendon_stiffness <= 1e6, "> 0 and <= 1e6")
     check("tau", a.tau > 0, "> 0")
     check("tau", 1e-3 <= a.tau <= 1e6, ">= 0.001 and <= 1e6")
+    check("ramp", a.ramp <= 1500 * a.tau, f"<= 1500 times --tau = {a.tau:g}: it takes steps of twice that time, 1000 at most")
     check("threads", 0 < a.threads <= MOST_THREADS, f"> 0 and <= {MOST_THREADS}")
     check_programs(p, a)
     return a

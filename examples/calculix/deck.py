@@ -12,6 +12,7 @@ import cylinder_mesh
 
 C1, C2, TAU, GAMMA, G_MAX, LAMBDA_CRIT = 16.0, 4.0, 0.5, 2.0, 1.1, 1.01  # Table 1: kPa, kPa, days, -, -, -
 NEVER = 1000.0  # an elastic stretch that the tendon does not reach, so that it does not grow
+NEAR = 1e-3  # times of output that differ by less, relatively, are one
 WEEKS = (7.0, 14.0, 28.0, 42.0)  # days of output, beside the end of the ramp
 STATE = ["G", "lambda_e", "lambda", "J", "Je"]  # the first of STATEV; the fibre comes from PROPS
 ENDS = ("clamped", "free", "tendon", "mixed")
@@ -61,8 +62,9 @@ def tendon(case, mesh):
 
 
 def output_times(case):
-    """Days: the end of the ramp, the weeks, the end."""
-    return sorted({case.ramp, case.duration} | {day for day in WEEKS if case.ramp < day < case.duration})
+    """Days: the end of the ramp, the weeks, the end. A week that is all but one of these would be a leg without length."""
+    weeks = {day for day in WEEKS if (1 + NEAR) * case.ramp < day < case.duration / (1 + NEAR)}
+    return sorted({case.ramp, case.duration} | weeks)
 
 
 def leg_times(case):
@@ -116,7 +118,7 @@ def _material(name, set_name, stiffness, lambda_crit, case):
 {len(STATE)}
 ** c1, c2 [kPa], tau [days], gamma, G_max, lambda_crit, n0; frame, energy, integration
 *USER MATERIAL, CONSTANTS=12
-{C1 * stiffness:g}, {C2 * stiffness:g}, {case.tau:g}, {GAMMA:g}, {G_MAX:g}, {lambda_crit:g}, {n[0]:.15g}, {n[1]:.15g}
+{C1 * stiffness:.12g}, {C2 * stiffness:.12g}, {case.tau:.12g}, {GAMMA:.12g}, {G_MAX:.12g}, {lambda_crit:.12g}, {n[0]:.15g}, {n[1]:.15g}
 {n[2]:.15g}, 0., {case.energy}., {case.integration}.
 *SOLID SECTION, ELSET={set_name}, MATERIAL={name}
 """

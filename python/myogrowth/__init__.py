@@ -89,6 +89,10 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 80 else text[:80] + "..."
 
 
+class _Refused(ValueError):
+    """An argument that _demand_plain has named."""
+
+
 def _demand_plain(name: str, value: Any) -> None:
     """Refuses what np.asarray would drop without a word: masks, other meanings of subclasses, Booleans in lists."""
     if isinstance(value, (list, tuple)):
@@ -97,27 +101,36 @@ def _demand_plain(name: str, value: Any) -> None:
     elif isinstance(value, np.ma.MaskedArray):
         hidden = np.ma.count_masked(value)
         if hidden:
-            raise ValueError(f"{name}: is masked, with {hidden} hidden values: fill them in, or leave them out")
+            raise _Refused(f"{name}: is masked, with {hidden} hidden values: fill them in, or leave them out")
     elif isinstance(value, np.ndarray) and type(value) not in (np.ndarray, np.matrix, np.memmap):
-        raise ValueError(f"{name}: must be a plain array, is a {type(value).__name__}: its unit or other meaning would be lost")
-    elif isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"{name}: must be numbers, is {value!r}")
+        raise _Refused(f"{name}: must be a plain array, is a {type(value).__name__}: its unit or other meaning would be lost")
+    elif isinstance(value, (bool, int, np.ndarray, np.generic)):
+        _demand_exact(name, np.asarray(value), value)
+
+
+def _demand_exact(name: str, array: NDArray[Any], value: Any) -> None:
+    """Refuses Booleans and integers that doubles do not hold: among floats NumPy would round them."""
+    if array.dtype.kind == "b":
+        raise _Refused(f"{name}: must be numbers, is {_shown(value)} of type bool")
+    if array.dtype.kind in "iu" and ((array > 2**53) | (array < -(2**53))).any() or isinstance(value, int) and abs(value) > 2**53:
+        raise _Refused(f"{name}: integers must be within +-2**53, which doubles hold exactly, is {_shown(value)}")
 
 
 def _array(name: str, value: Any) -> Floats:
     """An argument as an array of doubles, or a ValueError that names it."""
-    _demand_plain(name, value)
     try:
+        _demand_plain(name, value)
         array = np.asarray(value)
-    except Exception:  # whatever an object's own conversion raises
+    except _Refused:
+        raise
+    except Exception:  # whatever an object's own conversion raises, or a list that is in itself
         array = None
-    if array is None or array.dtype.kind not in "fiuc":
+    if array is None or array.dtype.kind not in "fiucb":
         what = "" if array is None or array.dtype.kind == "U" else f" of type {array.dtype}"
         raise ValueError(f"{name}: must be numbers, is {_shown(value)}{what}")
     if array.dtype.kind == "c":
         raise ValueError(f"{name}: must be real, is {_shown(value)} of type {array.dtype}")
-    if array.dtype.kind in "iu" and ((array > 2**53) | (array < -(2**53))).any():
-        raise ValueError(f"{name}: integers must be within +-2**53, which doubles hold exactly, is {_shown(value)}")
+    _demand_exact(name, array, value)
     with np.errstate(over="ignore"):
         doubles = np.asarray(array, dtype=float)
     if (np.isfinite(array) & ~np.isfinite(doubles)).any():
@@ -393,7 +406,7 @@ def simulate(muscle: Parameters, time: ArrayLike, stretch: ArrayLike, *, G: floa
     """
     if not isinstance(muscle, Parameters):
         raise TypeError(f"muscle: must be Parameters, is {muscle!r}")
-    time = _array("time", time)
+    time = _array("time", time).copy()  # the history keeps its own
     if time.ndim != 1 or time.size == 0:
         raise ValueError(f"time has shape {time.shape}: must be (n,), n >= 1")
     wrong = ~np.isfinite(time)

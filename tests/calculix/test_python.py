@@ -304,6 +304,11 @@ class Decks(unittest.TestCase):
         self.assertEqual(deck.output_times(deck.Case(duration=10)), [1, 7, 10])
         self.assertEqual(deck.output_times(deck.Case(ramp=8, duration=28)), [8, 14, 28])
         self.assertEqual(deck.output_times(deck.Case(ramp=3, duration=3)), [3])
+        # Two that are nearly the same would be one file, day_7.vtu, and a leg without length.
+        self.assertEqual(deck.output_times(deck.Case(ramp=6.9999999, duration=42.0000001)), [6.9999999, 14, 28, 42.0000001])
+        for case in (deck.Case(ramp=6.9999999, duration=27.98), deck.Case(ramp=6.99, duration=28.03)):
+            times = deck.output_times(case)
+            self.assertEqual(len({f"{day:g}" for day in times}), len(times))
 
     def test_steps(self):
         for size in cylinder_mesh.SIZES:
@@ -330,6 +335,7 @@ class Decks(unittest.TestCase):
         self.assertIn("NAME=@ABAQUS_MYOGROWTH_CCX@MUSCLE", legs[0])
         self.assertIn("PROXIMAL, 1, 3\nDISTAL, 1, 2\n", legs[0])
         self.assertNotIn("RESTART, READ", legs[0])
+        self.assertIn("\n16, 4, 0.123456789, 2, 1.1,", self.all_legs(deck.Case("tiny", tau=0.123456789))[0])  # not cut
         for text in legs:
             self.assertEqual(text.count("*STEP, NLGEOM"), 2)
             self.assertEqual(text.count("*RESTART, WRITE"), 1)
@@ -756,6 +762,8 @@ class Options(Folder):
         for options, words in ((("--ramp", 1e-300), "--ramp = 1e-300: must be > 0, at least 0.0001 and at most 3650"),
                                (("--duration", 1e16), "--duration = 1e+16: must be <= 3650"),
                                (("--duration", "1e999"), "--duration = inf: must be finite"),
+                               (("--duration", 1.0000001), "--duration = 1.0000001: must be --ramp = 1, or more than it by 0.1% at"),
+                               (("--tau", 0.001, "--ramp", 2, "--duration", 2), "--ramp = 2.0: must be <= 1500 times --tau = 0.001"),
                                (("--tau", 1e-300), "--tau = 1e-300: must be >= 0.001 and <= 1e6"),
                                (("--tendon-stiffness", 1e300), "must be > 0 and <= 1e6"),
                                (("--threads", 40000), "--threads = 40000: must be > 0 and <= 256"),
