@@ -164,7 +164,7 @@ void run_together(const Case& c, History* const* some, std::size_t n) {
   const auto points = static_cast<std::ptrdiff_t>(n);
   const myogrowth::batch::Input in{AlongFibre{stretch, zeros, ones}, myogrowth::batch::shared(fibre),
                                    myogrowth::batch::soa(G, points), myogrowth::batch::soa(dt, points)};
-  const myogrowth::batch::Output out{myogrowth::batch::None{}, myogrowth::batch::soa(G, points)};
+  const myogrowth::batch::Output out{myogrowth::batch::Absent{}, myogrowth::batch::soa(G, points)};
   const auto step = [&](double lambda) {
     failed += myogrowth::update_batch<myogrowth::Tangent::none>(material, points, in, out);
     for (std::size_t i = 0; i < n; ++i) {

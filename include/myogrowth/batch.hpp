@@ -69,8 +69,8 @@ struct Points<V, N, Aos<W, components>> {
   }
 };
 template <class V, int N>
-struct Points<V, N, None> {
-  Points(None, std::ptrdiff_t) {}
+struct Points<V, N, Absent> {
+  Points(Absent, std::ptrdiff_t) {}
   Pack<V, N> load(int) const { return Pack<V, N>(V(1)); }
   void store(int, const Pack<V, N>&) const {}
 };
@@ -117,22 +117,24 @@ struct Common {
 
 /// The start of a long step (growth_solve.hpp), lane by lane.
 template <class V, int N>
-Pack<V, N> long_step_start(const Common<V>& common, const Pack<V, N>& A, const Pack<V, N>& E,
-                           const Pack<V, N>& lambda, const Pack<V, N>& G_n, const Pack<V, N>& room_n,
-                           const Pack<V, N>& end) {
+Pack<V, N> long_step_start(const Common<V>& common, const Mask<V, N>& is_long, const Pack<V, N>& A,
+                           const Pack<V, N>& E, const Pack<V, N>& lambda, const Pack<V, N>& G_n,
+                           const Pack<V, N>& room_n, const Pack<V, N>& end) {
   using P = Pack<V, N>;
   const GrowthRate<V>& rate = common.material.growth;
-  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit);
-  const P way = end - G_n, bound = E * end * way / A;
-  const P q_end = lambda - crit * end, k_end = common.to_gamma(P((P(rate.G_max) - end) / room_n));
+  const P one(V(1)), crit(rate.lambda_crit);
+  const P way = end - G_n, bound = E * end * way / select(is_long, A, one);
+  const P q_end = lambda - crit * end, room_end = select(is_long, P(rate.G_max) - end, room_n);
+  const P k_end = common.to_gamma(P(room_end / room_n));
   P u = way;
-  const auto tighten = [&u](const Mask<V, N>& there, const P& candidate) {
-    u = select(there & (candidate < u), candidate, u);
+  const auto ratio = [&](const P& divisor) {  // 1 where that does not limit u
+    const auto limits = is_long & (bound < divisor);
+    return P(select(limits, bound, one) / select(limits, divisor, one));
   };
-  tighten(q_end > zero, room_n * pow(P(bound / select(q_end > zero, q_end, one)), V(1) / rate.gamma));
-  tighten(k_end > zero, bound / (crit * select(k_end > zero, k_end, one)));
-  tighten(one > zero, room_n * pow(P(bound / (crit * room_n)), V(1) / (rate.gamma + V(1))));
-  const P start = end - u * P(V(1) + 64 * std::numeric_limits<V>::epsilon());
+  u = minimum(P(room_n * pow(ratio(q_end), V(1) / rate.gamma)), u);
+  u = u * ratio(crit * k_end * u);
+  u = minimum(P(room_n * pow(ratio(crit * room_n), V(1) / (rate.gamma + V(1)))), u);
+  const P start = end - u * P(V(1) + 64 * last_place<V>());
   return select(start > G_n, start, G_n);
 }
 
@@ -198,8 +200,8 @@ void growth_number(const Common<V>& common, const Pack<V, N>& room_n, const Pack
   E = one;
   const auto steep = A > one;
   if (any(steep)) {
-    constexpr V epsilon = std::numeric_limits<V>::epsilon();
-    left = left | !(A < P(std::numeric_limits<V>::max() * epsilon * epsilon));
+    constexpr V epsilon = last_place<V>();
+    left = left | !(A < P((std::numeric_limits<V>::max)() * epsilon * epsilon));
     E = select(steep, one / A, one);
     A = select(steep, one, A);
   }
@@ -211,7 +213,7 @@ template <int N, class V, int width>
 MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> active, Begun<V, width>* begun) {
   using P = Pack<V, N>;
   const GrowthRate<V>& rate = common.material.growth;
-  const P one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
+  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
   P lambda, G_n, dt, G, A, E;
   for (int k = 0; k < P::parts; ++k) {
     lambda.v[k] = begun[k].d.lambda.v[0];
@@ -221,23 +223,24 @@ MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> activ
   }
   const P room_n = select(active, limit - G_n, one), per_room = one / room_n;
   Mask<V, N> out_of_range = active;  // (which grow_pack knows)
-  growth_number(common, room_n, dt, A, E, out_of_range);
-  const P end = min(P(lambda * P(common.per_crit)), limit);
+  growth_number(common, room_n, P(select(active, dt, zero)), A, E, out_of_range);
+  const P end = minimum(P(lambda * P(common.per_crit)), limit);
   const auto is_long = active & (A * (lambda - crit * G_n) > E * G_n * (end - G_n));
   P start = G_n;
-  if (any(is_long)) start = select(is_long, long_step_start(common, A, E, lambda, G_n, room_n, end), G_n);
-  G = select(active, min(start, end), G);
+  if (any(is_long))
+    start = select(is_long, long_step_start(common, is_long, A, E, lambda, G_n, room_n, end), G_n);
+  G = select(active, minimum(start, end), G);
 
   // A lane that is done stays as it is, whatever its neighbours do.
-  constexpr V epsilon = std::numeric_limits<V>::epsilon();
+  constexpr V epsilon = last_place<V>();
   const P g1 = gamma * per_room, gamma_plus_1(V(1) + rate.gamma);
   constexpr int patience = 24;
   for (int iteration = 0; iteration < patience && any(active); ++iteration) {
-    const P room = limit - G, x = room * per_room;
+    const P room = limit - G, x = select(active, room * per_room, one);
     const P k = A * common.to_gamma(x), kq = k * (lambda - crit * G);
     const P to_do = (kq - E * G * (G - G_n)) * x, slope = (E * (G + G - G_n) + k * crit) * x + g1 * kq;
-    const P step =
-        rough_quotient(to_do * G, slope * G + to_do);  // corrected by the next, or beyond all digits
+    const P divisor = slope * G + to_do, divides = select(active & (divisor > zero), divisor, one);
+    const P step = rough_quotient(to_do * G, divides);  // corrected by the next, or beyond all digits
     const P next = G + step;
     const auto onward = active & (next > G), inside = next < end;  // (not onward: rounding)
     G = select(onward, select(inside, next, end), G);
@@ -282,34 +285,35 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
   }
   Mask<V, N> done;
   {
-    const P x = one - y, k = A * common.to_gamma(x), kq = k * (Q - crit * y), kc = k * crit * x;
-    const P far = alpha + y, f = kq - E * far * y, b = (E * (far + y) * x + kc) + g1 * kq;
+    const P x = maximum(one - y, zero), k = A * common.to_gamma(x), kq = k * (Q - crit * y),
+            kc = k * crit * x;
+    const P z = alpha + y, f = kq - E * z * y, b = (E * (z + y) * x + kc) + g1 * kq;
     const P a2 = (E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq, b2 = b * b;
     const P step = near_quotient(x * f * (b2 + a2 * f), b * b2 + f * ((a2 + a2) * b + a3 * f));
     y = y + step;
     // What such a step leaves is well below C^3 step^4, C = (1 + gamma)/x + 1/(alpha + y) > 1/(alpha + y).
-    const V enough = std::sqrt(std::sqrt(std::numeric_limits<V>::epsilon()));
+    const V enough = std::sqrt(std::sqrt(last_place<V>()));
     const P now = alpha + y;
     done = abs(P(step * (P(V(1) + c) * now + x))) < P(enough) * now * x;
     // (Else with a G_max in the thousands what is multiplied here would leave the range.)
     if constexpr (sizeof(V) < sizeof(double)) done = done & (alpha > P(V(1e-3)));
   }
   P x = one - y;
-  const P end = min(P(lambda * P(common.per_crit)), limit);
-  G = max(min(P(G_n + r * y), end), G_n);
+  const P end = minimum(P(lambda * P(common.per_crit)), limit);
+  G = maximum(minimum(P(G_n + r * y), end), G_n);
   const auto active = grows & !done;
   if (any(active)) {
     for (int k = 0; k < P::parts; ++k) begun[k].G.v[0] = G.v[k];
     left = left | newton_pack<N>(common, active, begun);
     for (int k = 0; k < P::parts; ++k) G.v[k] = begun[k].G.v[0];
-    G = max(min(G, end), G_n);
+    G = maximum(minimum(G, end), G_n);
     y = select(active, (G - G_n) * per_r, y);
     x = select(active, (limit - G) * per_r, x);
   }
 
-  const P k = A * common.to_gamma(x), far = alpha + y;
-  const P slope = (E * (far + y) + k * crit) * x + g1 * (E * far * y);
-  dG_dlambda = select(G < limit, min(k * x / slope, P(common.per_crit)), zero);
+  const P k = A * common.to_gamma(x), z = alpha + y;
+  const P slope = (E * (z + y) + k * crit) * x + g1 * (E * z * y);
+  dG_dlambda = select(G < limit, minimum(k * x / slope, P(common.per_crit)), zero);
 }
 
 /// The flow of growth_flow.hpp at the stretch of the middle of the step, for the lanes that grow: G and
@@ -329,8 +333,10 @@ MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& 
   }
   const P r = select(grows, limit - G_n, one), per_r = one / r;
   const P a = select(grows, dt, zero) * P(common.per_time) * common.to_gamma(P(r * P(common.per_width)));
-  const P end = min(P(lambda * P(common.per_crit)), limit), u_n = select(grows, end - G_n, one);
-  const P room_end = limit - end, q_end = select(end < limit, zero, lambda - crit * limit);
+  // (Of a lane that does not grow: a way of 1, so that nothing is divided by 0.)
+  const P end = select(grows, minimum(P(lambda * P(common.per_crit)), limit), G_n + one), u_n = end - G_n;
+  const P room_end = select(grows, limit - end, zero);
+  const P q_end = select(grows & (end >= limit), lambda - crit * limit, zero);
   struct At {
     P u, g, kappa, q;
   };
@@ -384,11 +390,11 @@ MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& 
     const P next = part + step;
     part = select(active, next, part);
     sum = select(active, sensitivity + step / (speed * here.q), sum);
-    active = active & !(curvature * step * step < P(std::numeric_limits<V>::epsilon() / 4) * (from + next));
+    active = active & !(curvature * step * step < P(last_place<V>() / 4) * (from + next));
   }
   const At last = at(from + part);
   const P dG_dlambda = last.kappa * last.q / last.g * (before + sum) * half;
-  const P G = max(min(P(G_n + (u_n - last.u)), end), G_n);
+  const P G = maximum(minimum(P(G_n + (u_n - last.u)), end), G_n);
   for (int k = 0; k < P::parts; ++k) {
     begun[k].G.v[0] = select(grows, G, G_n).v[k];
     begun[k].dG_dlambda.v[0] = select(grows, dG_dlambda, zero).v[k];
@@ -418,16 +424,17 @@ void begin(const In& in, std::ptrdiff_t i, Begun<V, N>& b) {
 
   // As normalise() has it; a vector so short or long that its square is out of range is left to that.
   const P square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  const auto is_unit = abs(square - one) <= P(4 * std::numeric_limits<V>::epsilon());
+  const auto is_unit = abs(square - one) <= P(4 * last_place<V>());
   auto has_fibre = is_unit;
   if (any(!is_unit)) {
-    has_fibre = (square > P(std::numeric_limits<V>::min() / std::numeric_limits<V>::epsilon())) &
-                (square < P(std::numeric_limits<V>::max()));
+    has_fibre = (square > P((std::numeric_limits<V>::min)() / last_place<V>())) &
+                (square < P((std::numeric_limits<V>::max)()));
     const P per_length = select(is_unit, one, one / sqrt(square));
     for (int c = 0; c < 3; ++c) n[c] = n[c] * per_length;
   }
   deform(F, n, b.d);
-  b.bad = !(has_fibre & (b.d.J_minus_1 > -one) & (b.G_n > zero) & (b.dt - b.dt == zero));
+  const P least = least_J_minus_1(b.d.b_minus_I[0], b.d.b_minus_I[1], b.d.b_minus_I[2]);
+  b.bad = !opaque(has_fibre & (b.d.J_minus_1 > least) & (b.G_n > zero) & is_finite(b.dt));
 }
 
 /// The second stage, for as many registers as a pack has: what is a chain of operations that wait for each
@@ -448,6 +455,7 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
   const bool flows = material.integration == TimeIntegration::midpoint_flow;
   if (flows) {
     for (int k = 0; k < P::parts; ++k) lambda.v[k] = (lambda.v[k] + begun[k].lambda_n.v[0]) * V(0.5);
+    bad = bad | !is_finite(lambda);
   }
   const auto grows =
       (dt > zero) & (lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max)) & !bad;
@@ -508,7 +516,7 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
   }
   // Below, J_e - 1 may be -1 to rounding, where log1p is not made for it.
   const P least_Je(V(1e-6));
-  const auto bad = b.bad | !(check - check == zero) | !(u.J > least_Je * b.G);
+  const auto bad = b.bad | !is_finite(check) | !(u.J > least_Je * b.G);
 
   G_out.store(0, select(bad, b.G_n, b.G));
   const P scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};

@@ -107,24 +107,25 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flo
   const V relative = flow.u_n / eq.G_n, q_n = eq.q(eq.lambda, eq.G_n);
   const V ahead = a * q_n / (eq.G_n * flow.u_n);
   const V growth = sign * relative + eq.gamma * flow.u_n * eq.per_room + eq.crit * flow.u_n / q_n - 1;
-  V part = ahead / (1 + growth * ahead / 2);
+  const V divisor = 1 + growth * ahead / 2;
+  V part = divisor > 0 ? ahead / divisor : panel;
   for (int i = 0; i < 8 && part > 0 && part < panel; ++i) {
     ++iterations;
     const FlowIntegrals<V> some = integrate(flow, V(0), part);
     const typename Flow<V, sign>::At at = flow.at(part);
     const V speed = at.kappa * at.q / (at.g * at.u), step = (a - some.time) * speed;
     part += step;
-    const bool is_last =
-        (relative + eq.gamma + 4) * step * step < std::numeric_limits<V>::epsilon() / 4 * part;
+    const bool is_last = (relative + eq.gamma + 4) * step * step < last_place<V>() / 4 * part;
     if (is_last && part <= panel) return arrive(part, some.sensitivity + step / (speed * at.q));
   }
 
   // Where what is left of the way is below rounding, the end is reached.
-  const V below_rounding = log(flow.u_n / (std::numeric_limits<V>::epsilon() * eq.end / 8)) + panel;
-  const V most = 2 * log(std::numeric_limits<V>::max());  // for an end so near 0 that its rounding is 0
+  const V below_rounding = log(flow.u_n / (last_place<V>() * eq.end / 8)) + panel;
+  const V most = 2 * log((std::numeric_limits<V>::max)());  // for an end so near 0 that its rounding is 0
   const V w_end = below_rounding < most ? below_rounding : most;
   V w = 0, time = 0, sensitivity = 0;
-  while (w < w_end) {
+  constexpr int most_panels = 64 * std::numeric_limits<V>::max_exponent;  // of the shortest, up to `most`
+  for (int panels = 0; panels < most_panels && w < w_end; ++panels) {
     ++iterations;
     const FlowIntegrals<V> whole = integrate(flow, w, w + panel);
     if (!(whole.time >= 0)) break;  // not a number: out of range, at the end
@@ -147,7 +148,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flo
       if (!(next > low && next < high)) next = (low + high) / 2;
       const V moved = next > part ? next - part : part - next;
       part = next;
-      if (moved <= 4 * std::numeric_limits<V>::epsilon() * (w + part)) break;
+      if (moved <= 4 * last_place<V>() * (w + part)) break;
     }
     return arrive(w + part, sensitivity + integrate(flow, w, w + part).sensitivity);
   }
@@ -171,7 +172,9 @@ MYOGROWTH_FUNCTION GrowthStep<T> follow(const GrowthEquation<Real<T>, sign>& equ
                                         const T& lambda) {
   using V = Real<T>;
   const BracketedEquation<V, sign> eq(equation, value(G_n), value(lambda));
-  if (!(eq.A > 0)) return {G_n, T(0), 0};
+  if (!(eq.A > 0)) {  // as in solve()
+    return {eq.A == 0 ? G_n : T(std::numeric_limits<V>::quiet_NaN()), T(0), 0};
+  }
   FlowResult<V> r = follow(Flow<V, sign>(eq), V(eq.A / eq.E));
   if (!eq.before(eq.G_n, r.G)) r.G = eq.G_n;
   if (!eq.before(r.G, eq.end)) r.G = eq.end;

@@ -71,22 +71,22 @@ Mat3<T> law_stress(const Law& law, const NeoHookean<>& elasticity, const Mat3<T>
 template <class Law>
 LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<double>& F,
                  const Vec3<double>& n0, double g_n, double dt) {
-  using Complex = std::complex<double>;
+  using ComplexNumber = std::complex<double>;
   constexpr double h = 1e-30, nan = std::numeric_limits<double>::quiet_NaN();
-  const Mat3<Complex> F_c = F.cast<Complex>();
-  const Vec3<Complex> n0_c = n0.cast<Complex>();
+  const Mat3<ComplexNumber> F_c = F.cast<ComplexNumber>();
+  const Vec3<ComplexNumber> n0_c = n0.cast<ComplexNumber>();
   LawUpdate u{Status::ok, g_n, Mat3<double>::Zero(), Mat3<double>::Constant(nan),
               Mat9<double>::Constant(nan)};
   const auto fail = [&](Status status) {
     return LawUpdate{status, g_n, Mat3<double>::Constant(nan), Mat3<double>::Constant(nan),
                      Mat9<double>::Constant(nan)};
   };
-  const double J = F.determinant();
+  const double J = determinant(F.data());
   if (!is_finite(J) || !is_finite(g_n) || !is_finite(dt)) return fail(Status::not_finite);
   if (!(J > 0)) return fail(Status::inverted);
 
   const auto residual = [&](double g) {
-    return detail::law_residual(law, F_c, n0_c, Complex(g, h), g_n, dt);
+    return detail::law_residual(law, F_c, n0_c, ComplexNumber(g, h), g_n, dt);
   };
   double low = g_n, high = law.limit(), slope = 0;  // 0: does not follow F
   if (dt > 0 && low < high && residual(low).real() < 0) {
@@ -95,11 +95,11 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
     } else {
       double g = low, step = high - low;
       const auto is_rounding = [](double x, double g_) {
-        return std::abs(x) <= 4 * std::numeric_limits<double>::epsilon() * g_;
+        return std::abs(x) <= 4 * last_place<double>() * g_;
       };
       for (int i = 0; !is_rounding(step, g) && !is_rounding(high - low, g); ++i) {
         if (i == 200) return fail(Status::not_converged);
-        const Complex R = residual(g);
+        const ComplexNumber R = residual(g);
         (R.real() < 0 ? low : high) = g;
         double next = g - R.real() * h / R.imag();
         if (!(low <= next && next <= high)) next = (low + high) / 2;
@@ -107,7 +107,7 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
         g = next;
       }
       // A rate that jumps to nil at the limit ends there.
-      const bool ended = law.limit() - g <= 8 * std::numeric_limits<double>::epsilon() * g;
+      const bool ended = law.limit() - g <= 8 * last_place<double>() * g;
       u.g = ended ? law.limit() : g;
       slope = ended ? 0 : residual(g).imag() / h;
     }
@@ -115,14 +115,14 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
 
   for (int l = 0; l < 3; ++l) {
     for (int k = 0; k < 3; ++k) {
-      Mat3<Complex> F_h = F_c;
-      F_h(k, l) += Complex(0, h);
-      Complex g(u.g);
+      Mat3<ComplexNumber> F_h = F_c;
+      F_h(k, l) += ComplexNumber(0, h);
+      ComplexNumber g(u.g);
       if (slope != 0) {
         u.dg_dF(k, l) = -detail::law_residual(law, F_h, n0_c, g, g_n, dt).imag() / h / slope;
-        g += Complex(0, h * u.dg_dF(k, l));
+        g += ComplexNumber(0, h * u.dg_dF(k, l));
       }
-      const Mat3<Complex> P = detail::law_stress(law, elasticity, F_h, n0_c, g);
+      const Mat3<ComplexNumber> P = detail::law_stress(law, elasticity, F_h, n0_c, g);
       for (int i = 0; i < 9; ++i) u.dP_dF(i, k + 3 * l) = P.data()[i].imag() / h;
       u.P = P.real();
     }

@@ -135,7 +135,7 @@ struct BracketedEquation : GrowthEquation<V, sign> {
 /// left.
 template <class V>
 MYOGROWTH_FUNCTION bool is_last_step(V step, V G, V room, V gamma) {
-  return step * step * ((1 + gamma) * G + room) < std::numeric_limits<V>::epsilon() / 4 * G * G * room;
+  return step * step * ((1 + gamma) * G + room) < last_place<V>() / 4 * G * G * room;
 }
 
 /// What is left of the way to the root, sign (root - G), by Householder's method of order four, from either
@@ -159,7 +159,7 @@ MYOGROWTH_FUNCTION V fourth_order_step(const BracketedEquation<V, sign>& eq, V G
 template <class V>
 MYOGROWTH_FUNCTION bool is_last_fourth_order_step(V step, V G, V room, V gamma) {
   const V unit = G * room, s = step * ((1 + gamma) * G + room);
-  return s * s * (s * step) < std::numeric_limits<V>::epsilon() * G * (unit * unit * unit);
+  return s * s * (s * step) < last_place<V>() * G * (unit * unit * unit);
 }
 
 /// A start before the root that is far better than G_n when the step is long. At the root k q is at most
@@ -175,11 +175,13 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART V long_step_start(const BracketedEquation<V, 
   const auto tighten = [&u](V candidate) {
     if (candidate < u) u = candidate;
   };
-  if (q_end > 0) tighten(eq.room_n * pow(bound / q_end, 1 / eq.gamma));
-  if (k_end > 0) tighten(bound / (eq.crit * k_end));
-  tighten(eq.room_n * pow(bound / (eq.crit * eq.room_n), 1 / (eq.gamma + 1)));
+  // Only where the quotient is below 1: the others do not limit u, and might overflow.
+  if (bound < q_end) tighten(eq.room_n * pow(bound / q_end, 1 / eq.gamma));
+  if (bound < eq.crit * k_end * u) tighten(bound / (eq.crit * k_end));
+  if (bound < eq.crit * eq.room_n)
+    tighten(eq.room_n * pow(bound / (eq.crit * eq.room_n), 1 / (eq.gamma + 1)));
   // A hair more keeps it before the root in spite of rounding.
-  const V start = eq.end - sign * u * (1 + 64 * std::numeric_limits<V>::epsilon());
+  const V start = eq.end - sign * u * (1 + 64 * last_place<V>());
   return eq.before(eq.G_n, start) ? start : eq.G_n;
 }
 
@@ -197,13 +199,16 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART V root_of_quadratic(const BracketedEquation<V
 template <class V, int sign>
 MYOGROWTH_FUNCTION MYOGROWTH_APART V bisect(const BracketedEquation<V, sign>& eq, V G, V end,
                                             int& iterations) {
-  for (;;) {
+  constexpr int most =
+      20 + std::numeric_limits<V>::digits;  // from the whole range to a factor of 4, and to rounding
+  for (int i = 0; i < most; ++i) {
     ++iterations;
-    const bool far = end > 4 * G || G > 4 * end;
-    const V middle = far ? sqrt(G) * sqrt(end) : G + (end - G) / 2;
-    if (!(eq.before(G, middle) && eq.before(middle, end))) return G;
+    const bool is_wide = end > 4 * G || G > 4 * end;
+    const V middle = is_wide ? sqrt(G) * sqrt(end) : G + (end - G) / 2;
+    if (!(eq.before(G, middle) && eq.before(middle, end))) break;
     (eq.to_do(middle) > 0 ? G : end) = middle;
   }
+  return G;
 }
 
 /// Newton's method in G for gamma >= 1 and in k for 0 < gamma < 1, monotone from G_n's side; if the start may
@@ -219,14 +224,20 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART V newton(const BracketedEquation<V, sign>& eq
   for (; iterations < patience; may_be_behind = false) {
     ++iterations;
     const V room = eq.room(G);
+    if (!(room > 0)) return G;  // at the limit, where all below is 0
     const V x = room * eq.per_room;
     const V k = eq.A * eq.to_gamma(x), kq = k * eq.q(eq.lambda, G);
     // Both times x: no division for k' = gamma k/room.
     const V to_do = (kq - eq.done(G, eq.G_n)) * x;
     const V slope = (eq.E * (G + G - eq.G_n) + k * eq.crit) * x + gamma_per_room * kq;
     // Growth has a concave R, the equation over G; removal a convex equation as it stands.
-    V step = sign > 0 ? to_do * G / (slope * G + to_do) : to_do / slope;
-    if (eq.gamma < 1) step = -room * expm1(log1p(-eq.gamma * step / room) / eq.gamma);
+    const V divisor = sign > 0 ? slope * G + to_do : slope;
+    if (divisor == 0) break;  // both are below the smallest number
+    V step = (sign > 0 ? to_do * G : to_do) / divisor;
+    if (eq.gamma < 1) {
+      const V of_room = eq.gamma * step / room;
+      step = of_room < 1 ? -room * expm1(log1p(-of_room) / eq.gamma) : room;
+    }
     const V next = G + sign * step;
     if (may_be_behind && eq.before(next, G)) {
       if (is_last_step(step, next, room, eq.gamma)) return next;
@@ -234,7 +245,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART V newton(const BracketedEquation<V, sign>& eq
       continue;
     }
     if (!eq.before(G, next)) {
-      const bool passed = -step > 16 * std::numeric_limits<V>::epsilon() * G && eq.before(last, G);
+      const bool passed = -step > 16 * last_place<V>() * G && eq.before(last, G);
       return passed ? bisect(eq, last, G, iterations) : G;  // else at rounding level
     }
     if (!eq.before(next, eq.end)) return sign > 0 ? eq.end : bisect(eq, G, eq.end, iterations);
@@ -247,7 +258,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART V newton(const BracketedEquation<V, sign>& eq
 
 template <class V, int sign>
 MYOGROWTH_FUNCTION V growth_root(const BracketedEquation<V, sign>& eq, int& iterations) {
-  if (!(eq.gamma > std::numeric_limits<V>::epsilon())) {  // k is constant to rounding
+  if (!(eq.gamma > last_place<V>())) {  // k is constant to rounding
     iterations = 1;
     return root_of_quadratic(eq);
   }
@@ -288,7 +299,9 @@ template <class T, class P, int sign>
 MYOGROWTH_FUNCTION GrowthStep<T> solve(const GrowthEquation<P, sign>& lifted, const T& G_n, const T& lambda) {
   using V = Real<T>;
   const BracketedEquation<V, sign> eq(GrowthEquation<V, sign>(lifted), value(G_n), value(lambda));
-  if (!(eq.A > 0)) return {G_n, T(0), 0};  // dt k is below the smallest number
+  if (!(eq.A > 0)) {  // dt k is below the smallest number, or a parameter is not allowed
+    return {eq.A == 0 ? G_n : T(std::numeric_limits<V>::quiet_NaN()), T(0), 0};
+  }
 
   int iterations = 0;
   V G = growth_root(eq, iterations);

@@ -18,7 +18,7 @@
 #define MYOGROWTH_KERNEL_HPP
 
 #include "growth_flow.hpp"
-#include "symmetric.hpp"
+#include "measures.hpp"
 
 namespace myogrowth {
 
@@ -105,12 +105,13 @@ template <class T>
 MYOGROWTH_FUNCTION bool normalise(const T n0[3], T unit[3]) {
   using V = Real<T>;
   using Limits = std::numeric_limits<V>;
+  constexpr V least = (Limits::min)() / last_place<V>(), most = (Limits::max)();
   const T square = n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2];
   const V size = value(square);
-  if (!(size > Limits::min() / Limits::epsilon() && size <= Limits::max())) {
+  if (!(size > least && size <= most)) {
     return detail::normalise_scaled(n0, unit);
   }
-  constexpr V rounding = 4 * Limits::epsilon();
+  constexpr V rounding = 4 * last_place<V>();
   const bool is_unit = std::is_same<T, V>::value && -rounding <= size - 1 && size - 1 <= rounding;
   if (is_unit) {
     for (int i = 0; i < 3; ++i) unit[i] = n0[i];
@@ -184,6 +185,35 @@ MYOGROWTH_FUNCTION void deform(const T F[9], const T n[3], Deformation<T>& d) {
   d.lambda = sqrt(d.f[0] * d.f[0] + d.f[1] * d.f[1] + d.f[2] * d.f[2]);
 }
 
+/// What det F - 1 must exceed for deform() to give it, b_minus_I being F F^T - I: det F is then not a
+/// difference of terms so large that they have lost its digits. (The sizes of the terms of deform()'s sum are
+/// together no more than
+/// (|F| + sqrt(3))^3 / 4, and |F|^2 = tr(F F^T).)
+template <class T>
+MYOGROWTH_FUNCTION T least_J_minus_1(const T& b11_minus_1, const T& b22_minus_1, const T& b33_minus_1) {
+  const T size = (b11_minus_1 + b22_minus_1) + (b33_minus_1 + Real<T>(6));
+  return size * size * (Real<T>(1) / Real<T>(4096)) - Real<T>(1);
+}
+
+/// det F where deform() does not give it, and whether there is a result with it: F is so small, so large or
+/// so close to singular that its digits count, not those of F - I.
+template <class T>
+MYOGROWTH_FUNCTION MYOGROWTH_APART Status examine(const T F[9], T& J) {
+  J = determinant(F);
+  if (!is_finite(J)) return Status::not_finite;
+  return value(J) > 0 ? Status::ok : Status::inverted;
+}
+
+/// ln(x) for x that may be tiny, by what is asked of a scalar.
+template <class T>
+MYOGROWTH_FUNCTION MYOGROWTH_APART T logarithm(const T& x) {
+  using V = Real<T>;
+  int exponent;
+  (void)std::frexp(value(x), &exponent);
+  const T mantissa = x * std::ldexp(V(1), -exponent);  // in [1/2, 1)
+  return log1p(T(mantissa - V(1))) + V(exponent) * V(0.69314718055994530941723212145817657L);
+}
+
 /// ln(J_e); per_G = 1/G.
 template <class T>
 MYOGROWTH_FUNCTION T logarithm_of_Je(const T& J_minus_1, const T& G, const T& per_G) {
@@ -191,7 +221,7 @@ MYOGROWTH_FUNCTION T logarithm_of_Je(const T& J_minus_1, const T& G, const T& pe
   return ln_1_plus(T(J_minus_G * per_G), J_minus_G, G);
 }
 
-/// All that follows from the deformation and the grown state, without a branch on either.
+/// All that follows from the deformation, det F (out.J) and the grown state, without a branch on them.
 template <class T, class P>
 MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation<T>& d, const T& G,
                                const T& per_G, const T& ln_Je, PointUpdate<T>& out) {
@@ -201,7 +231,7 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
   const T G_minus_1 = G - one;
   out.G = G;
   out.lambda_e = d.lambda * per_G;
-  out.Je = (one + d.J_minus_1) * per_G;
+  out.Je = out.J * per_G;
   out.c1 = grown ? T(G * material.c1) : T(material.c1);
   out.c2 = grown ? T(G * material.c2) : T(material.c2);
   const T pressure = out.c1 * ln_Je;
@@ -248,8 +278,13 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& mate
   detail::Deformation<T> d;
   detail::deform(F, n, d);
   out.J = V(1) + d.J_minus_1;
-  if (!is_finite(out.J)) return detail::fail(Status::not_finite, G_n, out);
-  if (!(value(out.J) > 0)) return detail::fail(Status::inverted, G_n, out);
+  const bool is_accurate =
+      value(d.J_minus_1) >
+      detail::least_J_minus_1(value(d.b_minus_I[0]), value(d.b_minus_I[1]), value(d.b_minus_I[2]));
+  if (!is_accurate) {
+    const Status status = detail::examine(F, out.J);
+    if (status != Status::ok) return detail::fail(status, G_n, out);
+  }
   out.lambda = d.lambda;
   for (int i = 0; i < 3; ++i) out.f[i] = d.f[i];
 
@@ -257,7 +292,9 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& mate
   out.dG_dlambda = step.dG_dlambda;
   out.iterations = step.iterations;
   const T per_G = V(1) / step.G;
-  detail::stress(material, d, step.G, per_G, detail::logarithm_of_Je(d.J_minus_1, step.G, per_G), out);
+  const T ln_Je =
+      is_accurate ? detail::logarithm_of_Je(d.J_minus_1, step.G, per_G) : detail::logarithm(T(out.J * per_G));
+  detail::stress(material, d, step.G, per_G, ln_Je, out);
 
   V sums[3] = {};  // (in three parts that do not wait for each other)
   for (int i = 0; i < 6; ++i) sums[i % 3] += value(out.tau[i]) + value(out.dtau_dG[i]);

@@ -24,9 +24,8 @@ MYOGROWTH_FUNCTION bool left_stretch(const T F[9], T V[9]) {
     X[i] = F[i];
     size = size + value(F[i]) * value(F[i]);
   }
-  const T det = F[0] * (F[4] * F[8] - F[7] * F[5]) - F[3] * (F[1] * F[8] - F[7] * F[2]) +
-                F[6] * (F[1] * F[5] - F[4] * F[2]);
-  if (!is_finite(size) || !(value(det) > 0)) return false;
+  const T det = determinant(F);
+  if (!is_finite(size) || !is_finite(det) || !(value(det) > 0)) return false;
 
   // With scaling it takes a few steps; the bound is for F that are singular to rounding.
   bool last = false;
@@ -49,7 +48,7 @@ MYOGROWTH_FUNCTION bool left_stretch(const T F[9], T V[9]) {
     }
     if (!is_finite(change)) return false;
     if (last) break;
-    last = change < R(64) * std::numeric_limits<R>::epsilon();  // then the next step is exact to rounding
+    last = change < R(64) * last_place<R>();  // then the next step is exact to rounding
   }
   T full[9];
   for (int i = 0; i < 3; ++i) {

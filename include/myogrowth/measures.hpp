@@ -17,17 +17,40 @@
 
 namespace myogrowth {
 
-/// Inverse[9] of F[9], by cofactors.
+/// Cofactors[9] of F[9]; returns det F.
 template <class T>
-MYOGROWTH_FUNCTION void inverse(const T F[9], T inv[9]) {
-  T cofactor[9];
+MYOGROWTH_FUNCTION T cofactors(const T F[9], T cofactor[9]) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const int p = (i + 1) % 3, q = (i + 2) % 3, r = (j + 1) % 3, s = (j + 2) % 3;
       cofactor[i + 3 * j] = F[p + 3 * r] * F[q + 3 * s] - F[p + 3 * s] * F[q + 3 * r];
     }
   }
-  const T det = F[0] * cofactor[0] + F[3] * cofactor[3] + F[6] * cofactor[6];
+  return F[0] * cofactor[0] + F[3] * cofactor[3] + F[6] * cofactor[6];
+}
+
+/// det F[9], and 0 where it is no more than what rounding leaves of its terms, and the rounding of F's
+/// entries makes of a singular F: 4 units in the last place of the sum of the terms' sizes each. NaN or
+/// infinite where F, or a product of three entries, is.
+template <class T>
+MYOGROWTH_FUNCTION T determinant(const T F[9]) {
+  using V = Real<T>;
+  const auto size = [F](int i) { return value(F[i]) < 0 ? -value(F[i]) : value(F[i]); };
+  const V terms = size(0) * (size(4) * size(8) + size(5) * size(7)) +
+                  size(3) * (size(1) * size(8) + size(2) * size(7)) +
+                  size(6) * (size(1) * size(5) + size(2) * size(4));
+  if (!is_finite(terms)) return T(terms);
+  T cofactor[9];
+  const T det = cofactors(F, cofactor);
+  const V rounding = 8 * last_place<V>() * terms;
+  return -rounding <= value(det) && value(det) <= rounding ? T(V(0)) : det;
+}
+
+/// Inverse[9] of F[9], by cofactors.
+template <class T>
+MYOGROWTH_FUNCTION void inverse(const T F[9], T inv[9]) {
+  T cofactor[9];
+  const T det = cofactors(F, cofactor);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) inv[i + 3 * j] = cofactor[j + 3 * i] / det;
   }
@@ -127,26 +150,26 @@ MYOGROWTH_FUNCTION void jaumann_from_ddsdde(const T& J, const T ddsdde[36], T c[
 /// First Piola-Kirchhoff stress P[9] = tau F^-T.
 template <class T>
 MYOGROWTH_FUNCTION void first_piola_from_kirchhoff(const T F[9], const T tau[6], T P[9]) {
-  const T I[9] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
+  const T identity[9] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
   T inv[9];
   inverse(F, inv);
-  push(I, tau, inv, P);
+  push(identity, tau, inv, P);
 }
 
 /// dP_dF[81], where entry (i + 3J) + 9 (k + 3L) is dP_iJ/dF_kL.
 template <class T>
 MYOGROWTH_FUNCTION void dP_dF_from_jaumann(const T F[9], const T tau[6], const T c[36], T dP_dF[81]) {
-  const T I[9] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
+  const T identity[9] = {T(1), T(0), T(0), T(0), T(1), T(0), T(0), T(0), T(1)};
   T inv[9], P[9], C[36];
   inverse(F, inv);
-  push(I, tau, inv, P);
+  push(identity, tau, inv, P);
   truesdell_from_jaumann(tau, c, C);
   // half_iJkl = F^-1_Jj (C_ijkl + delta_ik tau_jl), where F^-1_Jj tau_jl = P_lJ
   T half[81];
   for (int l = 0; l < 3; ++l) {
     for (int k = 0; k < 3; ++k) {
       T* column = half + 9 * (k + 3 * l);
-      push(I, C + 6 * symmetric_index(k, l), inv, column);
+      push(identity, C + 6 * symmetric_index(k, l), inv, column);
       for (int J = 0; J < 3; ++J) column[k + 3 * J] = column[k + 3 * J] + P[l + 3 * J];
     }
   }

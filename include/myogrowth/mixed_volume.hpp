@@ -31,8 +31,7 @@ MYOGROWTH_FUNCTION Status update_mixed(const FibreGrowth<P>& material, const T F
                                        const T& G_n, const T& lambda_n, const P& dt, const T& J_hat,
                                        PointUpdate<T>& out, T c[36], MixedVolume<T>& volume) {
   using V = Real<T>;
-  const T J = F[0] * (F[4] * F[8] - F[7] * F[5]) - F[3] * (F[1] * F[8] - F[7] * F[2]) +
-              F[6] * (F[1] * F[5] - F[4] * F[2]);
+  const T J = determinant(F);
   if (!is_finite(J) || !is_finite(J_hat)) return detail::fail(Status::not_finite, G_n, out);
   if (!(value(J) > 0 && value(J_hat) > 0)) return detail::fail(Status::inverted, G_n, out);
   const T scale = pow(T(J_hat / J), V(1) / V(3));

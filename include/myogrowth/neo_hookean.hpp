@@ -52,8 +52,8 @@ struct NeoHookean {
   /// Spatial modulus of the Jaumann rate of tau at fixed growth, c1 I⊗I + c2 (I∘b_e + b_e∘I) [stress].
   template <class T>
   Mat6<T> spatial_modulus(const Mat3<T>& be) const {
-    const Mat3<T> I = Mat3<T>::Identity();
-    return T(c1) * dyad(I, I) + T(Real<T>(2) * c2) * symmetric_product(I, be);
+    const Mat3<T> identity = Mat3<T>::Identity();
+    return T(c1) * dyad(identity, identity) + T(Real<T>(2) * c2) * symmetric_product(identity, be);
   }
 };
 

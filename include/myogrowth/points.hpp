@@ -130,7 +130,7 @@ struct Shared {
   /// @endcond
 };
 /// Not there: what would be written is not.
-struct None {
+struct Absent {
   /// @cond
   struct Place {};
   /// @endcond
@@ -169,7 +169,7 @@ struct Materials {
 
 /// What goes in: F (9, column by column), n0 (3, of any length > 0), G_n, dt [time]; and, for the
 /// second-order step, lambda_n.
-template <class F_, class N0, class G_, class Dt, class Lambda = None>
+template <class F_, class N0, class G_, class Dt, class Lambda = Absent>
 struct Input {
   F_ F;             ///< deformation gradient at the end of the step [-]
   N0 n0;            ///< fibre [-]
@@ -186,7 +186,7 @@ Input(F_, N0, G_, Dt, Lambda) -> Input<F_, N0, G_, Dt, Lambda>;
 
 /// What comes out: stress; G; tangent; and, if asked for, scalars (5): lambda_e, lambda, J, Je, psi. G may be
 /// the place that G_n came from. Where a point has no result its G is as it was and the rest is NaN.
-template <class Stress, class G_, class Tangent_ = None, class Scalars = None>
+template <class Stress, class G_, class Tangent_ = Absent, class Scalars = Absent>
 struct Output {
   Stress stress;       ///< in the measure asked for [stress]
   G_ G;                ///< sarcomere number at the end [-]
@@ -209,7 +209,7 @@ MYOGROWTH_FUNCTION V load_one(const View& view, int c, std::ptrdiff_t i) {
   return *view.from(i)(c);
 }
 template <class V>
-MYOGROWTH_FUNCTION V load_one(None, int, std::ptrdiff_t) {
+MYOGROWTH_FUNCTION V load_one(Absent, int, std::ptrdiff_t) {
   return V(1);
 }
 template <class V, class View>
@@ -217,7 +217,7 @@ MYOGROWTH_FUNCTION void store_one(const View& view, int c, std::ptrdiff_t i, V x
   *view.from(i)(c) = x;
 }
 template <class V>
-MYOGROWTH_FUNCTION void store_one(None, int, std::ptrdiff_t, V) {}
+MYOGROWTH_FUNCTION void store_one(Absent, int, std::ptrdiff_t, V) {}
 
 /// What writes c[k] = x to point i of a view.
 template <class View>

@@ -11,6 +11,9 @@
 
 #include <cmath>
 #include <complex>
+#include <cstdint>
+#include <cstring>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -34,6 +37,21 @@
 #define MYOGROWTH_FLAT __attribute__((flatten))
 #elif !defined(MYOGROWTH_FLAT)
 #define MYOGROWTH_FLAT
+#endif
+/// Hides from the compiler where the number x comes from, at no cost. With -ffast-math it would assume that x
+/// is not NaN, and that (1 + x) - 1 is x.
+#if defined(__GNUC__) && !defined(__CUDACC__) && !defined(__HIPCC__)
+#define MYOGROWTH_OPAQUE_INTEGER(x) __asm__("" : "+r"(x))
+#if defined(__SSE2__) && defined(__x86_64__)
+#define MYOGROWTH_OPAQUE(x) __asm__("" : "+x"(x))
+#elif defined(__aarch64__)
+#define MYOGROWTH_OPAQUE(x) __asm__("" : "+w"(x))
+#else
+#define MYOGROWTH_OPAQUE(x) __asm__("" : "+m"(x))
+#endif
+#else
+#define MYOGROWTH_OPAQUE_INTEGER(x)
+#define MYOGROWTH_OPAQUE(x)
 #endif
 /// What is rarely called: kept out of the code around it. (On a GPU a call would push all out of registers.)
 #if defined(__GNUC__) && !defined(__CUDACC__)
@@ -110,10 +128,50 @@ MYOGROWTH_FUNCTION T quotient(const T& a, const T& b, const T&) {
   return a / b;
 }
 
-/// True for ordinary numbers, false for NaN and infinity.
+/// The step from 1 to the next number, as far as a number has digits: what tolerances are made of. (`epsilon`
+/// of a long double made of two doubles, as on ppc64le, is the smallest number of all.)
+/// @{
+template <class V>
+constexpr V last_place() {
+  return std::numeric_limits<V>::epsilon();
+}
+template <>
+constexpr long double last_place<long double>() {
+  using Limits = std::numeric_limits<long double>;
+  return Limits::digits == 106 ? static_cast<long double>(last_place<double>()) * last_place<double>() / 2
+                               : Limits::epsilon();
+}
+/// @}
+
+namespace detail {
+
+/// Whether x is: the exponent of NaN and infinity has all bits set.
+template <class Bits, class V>
+MYOGROWTH_FUNCTION bool is_finite_by_bits(V x) {
+  static_assert(sizeof(Bits) == sizeof(V), "the bits of V");
+  constexpr Bits exponent = (~Bits(0) >> 1) & (~Bits(0) << (std::numeric_limits<V>::digits - 1));
+  Bits bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  MYOGROWTH_OPAQUE_INTEGER(bits);
+  return (bits & exponent) != exponent;
+}
+template <class V>
+MYOGROWTH_FUNCTION bool is_finite_real(const V& x) {  // a user's number type
+  return x - x == 0;
+}
+MYOGROWTH_FUNCTION inline bool is_finite_real(double x) { return is_finite_by_bits<std::uint64_t>(x); }
+MYOGROWTH_FUNCTION inline bool is_finite_real(float x) { return is_finite_by_bits<std::uint32_t>(x); }
+inline bool is_finite_real(long double x) {  // whatever its format, this is within the range of double
+  return is_finite_real(static_cast<double>(x * (std::numeric_limits<long double>::min)()));
+}
+
+}  // namespace detail
+
+/// True for ordinary numbers, false for NaN and infinity. By the bits: compilers with -ffast-math take every
+/// comparison for one of ordinary numbers.
 template <class T>
 MYOGROWTH_FUNCTION bool is_finite(const T& x) {
-  return value(x) - value(x) == 0;
+  return detail::is_finite_real(value(x));
 }
 
 /// Whether n numbers all are.

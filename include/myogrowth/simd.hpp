@@ -9,6 +9,7 @@
 #define MYOGROWTH_SIMD_HPP
 
 #include <cstdint>
+#include <limits>
 
 #include "scalar.hpp"
 
@@ -16,6 +17,18 @@
 #include <immintrin.h>
 #elif defined(__aarch64__)
 #include <arm_neon.h>
+#endif
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+#define MYOGROWTH_OPAQUE_MASK(x)  \
+  do {                            \
+    if constexpr (sizeof(x) <= 2) \
+      __asm__("" : "+k"(x));      \
+    else                          \
+      MYOGROWTH_OPAQUE(x);        \
+  } while (false)
+#else
+#define MYOGROWTH_OPAQUE_MASK(x) MYOGROWTH_OPAQUE(x)
 #endif
 
 namespace myogrowth {
@@ -286,13 +299,13 @@ Pack<V, N> select(const Mask<V, N>& mask, const Pack<V, N>& a, const Pack<V, N>&
 /// The smaller and the larger; b where either is NaN.
 /// @{
 template <class V, int N>
-Pack<V, N> min(const Pack<V, N>& a, const Pack<V, N>& b) {
+Pack<V, N> minimum(const Pack<V, N>& a, const Pack<V, N>& b) {
   Pack<V, N> c;
   for (int k = 0; k < c.parts; ++k) c.v[k] = detail::smaller(a.v[k], b.v[k], V());
   return c;
 }
 template <class V, int N>
-Pack<V, N> max(const Pack<V, N>& a, const Pack<V, N>& b) {
+Pack<V, N> maximum(const Pack<V, N>& a, const Pack<V, N>& b) {
   Pack<V, N> c;
   for (int k = 0; k < c.parts; ++k) c.v[k] = detail::larger(a.v[k], b.v[k], V());
   return c;
@@ -308,6 +321,19 @@ Pack<V, N> abs(const Pack<V, N>& a) {
   for (int k = 0; k < b.parts; ++k)
     b.v[k] = (typename Pack<V, N>::Lanes)((Bits)a.v[k] & static_cast<Unsigned>(~Unsigned(0) >> 1));
   return b;
+}
+
+/// The mask as it is. With -ffast-math a compiler would put !(a < b) as a >= b, which NaN does not pass.
+template <class V, int N>
+Mask<V, N> opaque(Mask<V, N> mask) {
+  for (auto& part : mask.v) MYOGROWTH_OPAQUE_MASK(part);
+  return mask;
+}
+/// Where a number is ordinary, not NaN or infinite.
+template <class V, int N>
+Mask<V, N> is_finite(Pack<V, N> a) {
+  for (auto& part : a.v) MYOGROWTH_OPAQUE(part);
+  return opaque(abs(a) <= Pack<V, N>((std::numeric_limits<V>::max)()));
 }
 
 // The few operations that a target has and the vector extensions have not, for one register.
@@ -621,8 +647,8 @@ typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& err
   const P z = s * s;
   const P half_square = P(V(0.5)) * f * f;
   const P r = z * logarithm_series(z);
-  const P small = half_square - (s * (half_square + r) + k * P(F::ln2_low));
-  return (k * P(F::ln2_high) - (small - f)).v[0];
+  const P rest = half_square - (s * (half_square + r) + k * P(F::ln2_low));
+  return (k * P(F::ln2_high) - (rest - f)).v[0];
 }
 
 /// e^x; one register.
@@ -638,7 +664,8 @@ typename Pack<V, N>::Lanes exponential(const Pack<V, N>& x) {
   P shift;
   shift.v[0] = (Lanes)(Bits{} + F::magic);
   shift = shift * P(V(1.5));
-  const P shifted = multiply_add(y, P(static_cast<V>(1.4426950408889634)), shift);
+  P shifted = multiply_add(y, P(static_cast<V>(1.4426950408889634)), shift);
+  MYOGROWTH_OPAQUE(shifted.v[0]);
   const P k = shifted - shift;
   const P r = multiply_add(k, P(-F::ln2_low), multiply_add(k, P(-F::ln2_high), y));
   static constexpr double E[] = {2.5100385495510319078e-8,  2.7620088445409748161e-7,
@@ -659,7 +686,8 @@ template <class V, int N>
 Pack<V, N> log1p(const Pack<V, N>& x) {
   using P = Pack<V, N>;
   const P one(V(1));
-  const P u = one + x;
+  P u = one + x;
+  for (auto& part : u.v) MYOGROWTH_OPAQUE(part);
   // What rounding took from the larger of the two.
   const P error = select(x < one, x - (u - one), one - (u - x));
   P y;
@@ -699,8 +727,9 @@ template <class V, int N>
 Pack<V, N> ln_1_plus(const Pack<V, N>& x, const Pack<V, N>& d, const Pack<V, N>& G) {
   using P = Pack<V, N>;
   const P s = d / (G + G + d), z = s * s, half_square = P(V(0.5)) * x * x;
-  const P small = multiply_add(-s, multiply_add(z, detail::logarithm_series(z), half_square), half_square);
-  const P y = x - small;
+  const P correction =
+      multiply_add(-s, multiply_add(z, detail::logarithm_series(z), half_square), half_square);
+  const P y = x - correction;
   const auto outside = !((x > P(V(-0.29))) & (x < P(V(0.41))));
   return any(outside) ? select(outside, log1p(x), y) : y;
 }

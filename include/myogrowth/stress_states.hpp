@@ -21,7 +21,7 @@ template <class T, class Evaluate>
 MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
   using V = Real<T>;
   // Quadratic convergence: after a step of this size rounding is left, and derivatives lag one step behind.
-  const V small = sqrt(std::numeric_limits<V>::epsilon());
+  const V negligible = sqrt(last_place<V>());
   int steps_left = std::is_same<T, V>::value ? 1 : 2;
   V low(0), high(0), last_size(1);  // high = 0: not known yet
   for (int iteration = 0; iteration < 200; ++iteration) {
@@ -31,7 +31,7 @@ MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
     (value(stress) > 0 ? high : low) = value(x);
     const T step = -stress / slope;
     const V size = value(step) < 0 ? -value(step) : value(step);
-    if (size <= small) {
+    if (size <= negligible) {
       --steps_left;
       x = x * (V(1) + step);
       continue;

@@ -228,8 +228,8 @@ TYPED_TEST(Simd, MasksAndSelection) {
     EXPECT_EQ(any(pa == pb), equal != 0);
     select(pa < pb, pa, pb).store(chosen);
     V smaller[N], larger[N], size[N];
-    min(pa, pb).store(smaller);
-    max(pa, pb).store(larger);
+    minimum(pa, pb).store(smaller);
+    maximum(pa, pb).store(larger);
     abs(-pa).store(size);
     for (int i = 0; i < N; ++i) {
       const auto same = [](V x, V y) { return x == y || (x != x && y != y); };
@@ -273,8 +273,8 @@ TYPED_TEST(Simd, LanesAndPartsKnowNothingOfEachOther) {
                          x * y,
                          multiply_add(x, y, x),
                          quotient(x, y, Q(V(1)) / y),
-                         min(x, y),
-                         max(x, y),
+                         minimum(x, y),
+                         maximum(x, y),
                          abs(x)};
     for (int k = 0; k < functions; ++k) results[k].store(out + k * n);
   };
