@@ -9,12 +9,20 @@
 set -euo pipefail
 
 if [ -n "${MYOGROWTH_CCX:-}" ]; then
-  [ -x "$MYOGROWTH_CCX" ] || { echo "MYOGROWTH_CCX=$MYOGROWTH_CCX is not an executable file" >&2; exit 1; }
+  if [ ! -f "$MYOGROWTH_CCX" ] || [ ! -x "$MYOGROWTH_CCX" ]; then
+    echo "MYOGROWTH_CCX=$MYOGROWTH_CCX is not an executable file" >&2
+    exit 1
+  fi
   echo "$MYOGROWTH_CCX"
   exit
 fi
 folder=${1:-${XDG_CACHE_HOME:-${HOME:-/tmp}/.cache}/myogrowth}
-if [ -x "$folder/ccx" ]; then echo "$folder/ccx"; exit; fi
+starts() { grep -q Version <<<"$("$1" -v 2>&1 || true)"; } # its status is 201
+if [ -e "$folder/ccx" ]; then
+  starts "$folder/ccx" || { echo "$folder/ccx does not start: remove it to have it built again" >&2; exit 1; }
+  echo "$folder/ccx"
+  exit
+fi
 if ! command -v apt-get >/dev/null || ! command -v dpkg-source >/dev/null; then
   cat >&2 <<'TEXT'
 Building ccx needs a Debian machine with dpkg-dev. Elsewhere, build CalculiX 2.20 or newer from its own source with
@@ -59,6 +67,7 @@ done
 if [ -t 2 ]; then echo >&2; fi
 wait $! || { grep -iE 'error|undefined|cannot' "$work/make.log" >&2 || true; tail -30 "$work/make.log" >&2; exit 1; }
 gfortran -o ccx "$name.o" "$name.a" -lspooles -lpthread -larpack -llapack -lblas -lm -ldl -fopenmp
+starts ./ccx || { echo "ccx: what was built does not start" >&2; exit 1; }
 mv ccx "$folder/ccx.new"
 mv "$folder/ccx.new" "$folder/ccx"
 echo "$folder/ccx"

@@ -877,6 +877,26 @@ class Options(Folder):
         with contextlib.redirect_stdout(io.StringIO()), self.assertRaisesRegex(files.FileError, "ended from outside"):
             studies.do_all(a, {"one": deck.Case("tiny", duration=1.0)})
 
+    def test_a_ccx_that_is_none(self):
+        """build_ccx.sh, which all jobs with CalculiX ask for their ccx."""
+        def ask(**environment):
+            return subprocess.run([EXAMPLES / "build_ccx.sh"], env={"PATH": os.environ["PATH"], **environment},
+                                  capture_output=True, text=True)
+
+        cache = self.folder / "myogrowth"
+        cache.mkdir()
+        kept_ccx = cache / "ccx"
+        kept_ccx.write_text("cut")
+        kept_ccx.chmod(0o755)
+        for environment, words in (({"XDG_CACHE_HOME": str(self.folder)}, f"{kept_ccx} does not start: remove it"),
+                                   ({"MYOGROWTH_CCX": str(self.folder)}, f"MYOGROWTH_CCX={self.folder} is not an executable file"),
+                                   ({"MYOGROWTH_CCX": "/nowhere"}, "MYOGROWTH_CCX=/nowhere is not an executable file")):
+            done = ask(**environment)
+            self.assertEqual((done.returncode, done.stdout), (1, ""))
+            self.assertIn(words, done.stderr)
+        kept_ccx.write_text("#!/bin/sh\necho This is Version 2.20\nexit 201\n")
+        self.assertEqual(ask(XDG_CACHE_HOME=str(self.folder)).stdout, f"{kept_ccx}\n")
+
     def test_no_results(self):
         self.ccx.write_text("#!/bin/sh\necho nothing to do\n")
         done = self.call()

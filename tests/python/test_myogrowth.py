@@ -148,6 +148,13 @@ def test_the_driver_has_the_same_history(tmp_path):
     np.testing.assert_allclose(h.G, G, rtol=1e-6)
 
 
+def test_status_is_the_c_apis():
+    header = (pathlib.Path(__file__).parents[2] / "abi/myogrowth.h").read_text()
+    listed, = re.findall(r"enum myogrowth_status \{(.*?)\};", header, re.S)
+    assert {name: int(number) for name, number in re.findall(r"MYOGROWTH_(\w+) = (\d+)", listed)} == {
+        status.name: int(status) for status in Status}
+
+
 def test_parameters_are_the_librarys_table():
     table = {p.name: p for p in parameters()}
     assert set(table) | {"n0_1", "n0_2", "n0_3", "frame", "tolerance", "hybrid"} == {
