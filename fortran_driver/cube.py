@@ -90,6 +90,7 @@ def arguments():
 def run(a):
     """The columns of the history that this run has written."""
     files.make_folder(a.out)
+    files.lock(a.out / "lock")
     files.remove(a.out / name for name in FILES)
     case = a.out / "cube.nml"
     if a.ramp > 0:

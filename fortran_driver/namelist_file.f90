@@ -365,22 +365,25 @@ contains
     character(len=:), allocatable, intent(inout) :: text
     character(len=:), allocatable :: found
     character :: quote
-    integer :: i
+    integer :: i, n
 
     if (.not. g%has(name)) return
     found = only_word(g, name, 'one text in quotes')//' '
     quote = found(1:1)
     if (scan(quote, '''"') == 0) call g%fail(name, 'must be one text in quotes')
-    text = ''
+    text = found
+    n = 0
     i = 2
     do
       if (found(i:i) == quote) then
         if (found(i + 1:i + 1) /= quote) exit
         i = i + 1
       end if
-      text = text//found(i:i)
+      n = n + 1
+      text(n:n) = found(i:i)
       i = i + 1
     end do
+    text = text(:n)
     if (i + 1 < len(found)) call g%fail(name, 'must be one text in quotes')
   end subroutine quoted
 

@@ -85,7 +85,7 @@ contains
     integer :: i
 
     names = ''
-    do i = 1, len(line)
+    do i = 1, min(len(line), 1000)
       if (line(i:i) /= ' ') names = names//line(i:i)
     end do
     if (names == header) return

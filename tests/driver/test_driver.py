@@ -4,6 +4,7 @@ test_driver.py DRIVER UMAT ELASTIC_UMAT SOURCE [unittest arguments]; every class
 """
 import contextlib
 import csv
+import fcntl
 import io
 import math
 import os
@@ -278,6 +279,12 @@ class Path(unittest.TestCase):
         self.assertIn("F.csv:3: row 2, time 1: det F = -1: must be > 0", run.errors)
         self.assertEqual(len(run.rows()), 1)
 
+    def test_a_singular_row(self):
+        """Rows 1 to 3 of 0.1, 0.2, ... 0.9: the determinant is 7e-18 in doubles."""
+        run = self.path(self.HEAD + "0," + ",".join(str(i / 10) for i in range(1, 10)) + "\n")
+        self.assertEqual(run.status, 2)
+        self.assertIn("F.csv:2: row 1, time 0: det F = 0: must be > 0", run.errors)
+
     def test_what_a_spreadsheet_writes(self):
         plain = self.path(self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1.1,0,0,0,1,0,0,0,1\n")
         for text in (
@@ -522,6 +529,13 @@ class InputErrors(unittest.TestCase):
             self.assertIn(f"the UMAT {folder} cannot be used", run.errors)
         self.assertIn("larger than 256 MiB", Run("/dev/zero").errors)
 
+    def test_files_of_one_endless_line(self):
+        text = 20_000_000 * b"x"
+        self.assertIn("x ... (20000000 characters)\": text outside a group", Run(text=text).errors)
+        self.assertIn("x ... (20000002 characters): must be one of 'x-'", Run(text=b"&face name='" + text + b"' /\n").errors)
+        self.assertIn("found 20000000 (a number has a decimal point, not a comma)", Path.path(self, (Path.HEAD + "0").encode() + text.replace(b"x", b",1")[:-2]).errors)
+        self.assertIn("found xxx", Path.path(self, text).errors)
+
     def test_numbers(self):
         for value, words in (
             ("0,05", "must be one number, found 2 (a number has a decimal point, not a comma)"),
@@ -736,13 +750,17 @@ class CubeJob(unittest.TestCase):
         file = folder / "history.csv"
         done, _ = self.cube(folder=file)
         self.assertEqual((done.returncode, done.stderr), (1, f"./run cube: {file}: cannot be made a folder: there is a file of that name\n"))
-        for name in ("cube.nml", "fig2_elastic_stretch.png"):
-            (folder / name).unlink()
-            (folder / name).mkdir()
+        file.unlink()
+        file.mkdir()
+        done, _ = self.cube(folder=folder)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn(f"{file}: an older run's, cannot be removed: Is a directory", done.stderr)
+        file.rmdir()
+        with open(folder / "lock") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
             done, _ = self.cube(folder=folder)
-            self.assertEqual((done.returncode, done.stdout), (1, ""))
-            self.assertIn(f"{folder / name}: an older run's, cannot be removed: Is a directory", done.stderr)
-            (folder / name).rmdir()
+        self.assertEqual((done.returncode, done.stderr), (1, f"./run cube: {folder}: another run is at work there\n"))
+
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
 
@@ -795,8 +813,8 @@ class Exact(unittest.TestCase):
     def test_bounds(self):
         """Far beyond tau in one interval: the flow has ended, and no bound is passed."""
         for gamma in (0.0, 0.3, 1.0, 2.0, 7.0, 1e6):
-            for stretch in (0.9, 1.0, 1.05, 1.1, 1.2, 3.0):
-                for tau in (0.5, 1e-5, 1e5):
+            for stretch in (0.9, 1.1, 1.2):
+                for tau in (0.5, 1e-4):
                     G = self.G([10.0, 42.0, 1e6, 1e12], gamma=gamma, stretch=stretch, tau=tau, ramp=1.0)
                     limit = min(G_MAX, max(1, stretch / CRIT))
                     self.assertTrue(all(b >= a - 1e-10 for a, b in zip(G, G[1:])), (gamma, stretch, tau, G))
