@@ -162,7 +162,7 @@ class Rows {
   /// Field i, a number from `least` to `most`.
   double number(std::size_t i, const std::string& what, double least, double most) const {
     return number_if(i, what + ", a number from " + text_of(least) + " to " + text_of(most),
-                  [&](double x) { return x >= least && x <= most; });
+                     [&](double x) { return x >= least && x <= most; });
   }
   /// Field i, a whole number from `least` to `most`.
   std::size_t count(std::size_t i, const std::string& what, std::size_t least, std::size_t most) const {

@@ -376,7 +376,8 @@ struct Point {
 
 /// Pulls a strip of muscle with free sides through a history that has been cut into steps. The exact flow at
 /// the stretch of the middle of every step: exact where the stretch is held.
-inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const std::vector<Knot>& points) {
+inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const std::vector<Knot>& points,
+                               const std::string& name) {
   muscle.integration = myogrowth::TimeIntegration::midpoint_flow;
   std::vector<Point> result;
   double G = 1, lateral = 1;
@@ -387,8 +388,8 @@ inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const std::vecto
     const auto status = uniaxial_stress(muscle, points[i].stretch, G, last.stretch,
                                         points[i].time - last.time, lateral, u, slope);
     if (status != myogrowth::Status::ok)
-      throw Error("no result at stretch " + text_of(points[i].stretch) + " on day " +
-                  text_of(points[i].time));
+      throw Error(name + ": no result at stretch " + text_of(points[i].stretch) + " on day " +
+                  text_of(points[i].time) + ": " + abi::text(status));
     G = u.G;
     result.push_back(
         {points[i].time, points[i].stretch, G, u.lambda_e, u.tau[0] / points[i].stretch, lateral});

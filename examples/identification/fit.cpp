@@ -5,6 +5,9 @@
 // goes in, and the derivatives of the whole history with respect to tau, gamma, G_max and lambda_crit come
 // out (study.hpp, grow); nothing is differentiated by hand or by differences.
 #include <ceres/ceres.h>
+#if __has_include(<glog/logging.h>)
+#include <glog/logging.h>
+#endif
 
 #include <Eigen/SVD>
 #include <array>
@@ -26,10 +29,10 @@ parameters to fit between which bounds (rows: examples/common/study.hpp; example
 Without a `fit` row nothing is fitted: the prediction is compared with the measurements.
 
   --set NAME=VALUE   a parameter (start of its fit): c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_crit_rev
-  --robust SD        beyond SD standard deviations a residual counts linearly (Huber); default: squares alone
+  --robust SD        residuals beyond SD standard deviations count linearly (Huber); default: squares only
   --starts N         fits from N starts, the first from the values set, the others at random; default 8
-  --coverage RUNS    the other way round: takes the values set as true, makes up measurements at the days and with
-                     the deviations of FILE, RUNS times, and says how often the 95 % intervals hold the truth
+  --coverage RUNS    takes the values set as true, generates random measurements at the days and with the deviations
+                     of FILE, RUNS times, and prints how often the 95 % intervals contain the true values
   --seed N           of all random numbers; default 1
   --out DIR          folder of report.json, report.md and the pictures; default out/fit/NAME OF FILE
 )";
@@ -143,11 +146,14 @@ Fit minimise(const Question& question, const Values& start, const Free& free) {
   ceres::Solver::Summary summary;
   if (std::find(free.begin(), free.end(), true) != free.end()) {
     ceres::Solve(options, &problem.ceres, &summary);
-    if (!summary.IsSolutionUsable()) throw study::Error("no fit: " + summary.message);
+    if (!summary.IsSolutionUsable())
+      throw study::Error("no fit from " + text_of(start) +
+                         ", or near it: results or derivatives are not finite: expected "
+                         "narrower bounds");
   }
   double cost;
   if (!problem.ceres.Evaluate({}, &cost, nullptr, nullptr, nullptr) || !std::isfinite(cost))
-    throw study::Error("no result for " + text_of(problem.values));
+    throw study::Error("no finite result for " + text_of(problem.values));
   return {problem.values, 2 * cost};
 }
 
@@ -525,7 +531,7 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
   muscle.growth = {best.values[0], best.values[1], best.values[2], best.values[3]};
   std::vector<double> stops;
   for (const auto& m : data.measurements) stops.push_back(m.time);
-  const auto curve = study::pull(muscle, study::cut(data.knots, stops, 0.002, 0.03, data.name));
+  const auto curve = study::pull(muscle, study::cut(data.knots, stops, 0.002, 0.03, data.name), data.name);
   out.write("report.md", text + (k > 0 ? "\n![fit](fit.png)\n![profiles](profiles.png)\n" : ""));
   out.write("report.json",
             study::json_object(
@@ -583,5 +589,8 @@ int fit(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+#if __has_include(<glog/logging.h>)
+  FLAGS_minloglevel = google::GLOG_FATAL;  // what Ceres logs is said by our errors
+#endif
   return study::run([&] { return fit(argc, argv); });
 }

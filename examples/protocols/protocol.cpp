@@ -123,7 +123,7 @@ int compare(const study::Options& options) {
   std::size_t steps = 0;
   for (const study::Study& s : protocols) {
     // All to the same day, so that they can be compared.
-    const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02, s.name));
+    const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02, s.name), s.name);
     if ((steps += run.size()) > study::most_steps)
       throw study::Error(s.name + ": more than " + std::to_string(study::most_steps) +
                          " time steps with the protocols before it: expected fewer in one run");
@@ -170,24 +170,25 @@ struct Ride {
   double limit;
 
   double s() const { return (limit - growth.lambda_crit) / (growth.growth_time * (growth.G_max - 1)); }
-  /// G on day t.
+  /// G on day t: 1 + (G_max - 1) (1 - x), so that nothing cancels where G_max is large.
   double G(double t) const {
-    const double g = growth.gamma;
-    double x;
-    if (std::abs(g - 1) < 1e-9) {
-      x = std::exp(-s() * t);
+    const double g = growth.gamma - 1, st = s() * t;
+    double log_x;
+    if (std::abs(g) < 1e-9) {
+      log_x = -st;
     } else {
-      const double base = 1 + (g - 1) * s() * t;  // for gamma < 1 growth ends where it reaches 0
-      x = base > 0 ? std::pow(base, -1 / (g - 1)) : 0;
+      // For gamma < 1 growth ends where x reaches 0.
+      log_x = g * st > -1 ? -std::log1p(g * st) / g : -std::numeric_limits<double>::infinity();
     }
-    return growth.G_max - (growth.G_max - 1) * x;
+    return 1 - (growth.G_max - 1) * std::expm1(log_x);
   }
   /// Day on which the stretch is reached; infinite: never.
   double day(double stretch) const {
     if (stretch <= limit) return 0;
-    const double x = (growth.G_max - stretch / limit) / (growth.G_max - 1), g = growth.gamma;
-    if (x < 0 || (x == 0 && g >= 1)) return std::numeric_limits<double>::infinity();
-    return std::abs(g - 1) < 1e-9 ? -std::log(x) / s() : (std::pow(x, 1 - g) - 1) / ((g - 1) * s());
+    const double less = (stretch / limit - 1) / (growth.G_max - 1), g = growth.gamma - 1;  // 1 - x
+    if (less > 1 || (less == 1 && g >= 0)) return std::numeric_limits<double>::infinity();
+    const double log_x = std::log1p(-less);
+    return std::abs(g) < 1e-9 ? -log_x / s() : std::expm1(-g * log_x) / (g * s());
   }
 };
 
@@ -208,7 +209,8 @@ std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, dou
 /// than `most`.
 double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, double target, double most) {
   const auto admissible = [&](double days) {
-    const auto run = study::pull(muscle, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0, "the ramp"));
+    const auto run =
+        study::pull(muscle, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0, "the ramp"), "the ramp");
     return std::all_of(run.begin(), run.end(), [&](const Point& p) { return p.lambda_e <= limit; });
   };
   if (!admissible(most)) return std::numeric_limits<double>::infinity();
@@ -269,7 +271,8 @@ int design(const study::Options& options) {
   }
   const double after = std::max(days, 14.0);
   const auto run = study::pull(
-      s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02, "the fastest"));
+      s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02, "the fastest"),
+      "the fastest");
   double peak = 0, off = 0;
   for (const Point& p : run) {
     peak = std::max(peak, p.lambda_e);
@@ -278,8 +281,8 @@ int design(const study::Options& options) {
   auto step_knots = daily_steps(s.muscle, limit, target);
   const bool steps_arrive = step_knots.back().stretch >= target;
   const double step_days = step_knots[step_knots.size() - 2].time;
-  const auto step_run =
-      study::pull(s.muscle, study::cut(step_knots, {days + after}, 0.002, 0.02, "the daily steps"));
+  const auto step_run = study::pull(
+      s.muscle, study::cut(step_knots, {days + after}, 0.002, 0.02, "the daily steps"), "the daily steps");
   double step_peak = 0;
   for (const Point& p : step_run) step_peak = std::max(step_peak, p.lambda_e);
   const double ramp_days = days > 0 ? shortest_ramp(s.muscle, limit, target, 100 * days) : 0;

@@ -456,6 +456,9 @@ int sensitivity(int argc, char** argv) {
     for (const History& h : all) sum += h.y[k];
     const Indices<n_inputs> point(rows, f, sum / static_cast<double>(all.size()),
                                   [](std::size_t j) { return j; });
+    if (!myogrowth::is_finite(point.variance))
+      throw study::Error(std::string("the variance of the ") + output_names[k] +
+                         " is beyond the range of double: expected narrower ranges");
     std::vector<std::array<Interval, 2>> intervals;
     const std::string items = indices_json(rows, f, threads, seed, point, intervals);
     text +=

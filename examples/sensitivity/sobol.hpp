@@ -34,6 +34,8 @@ struct Indices {
     }
     mean /= 2 * count;
     variance = square / (2 * count) - mean * mean;
+    const double rounding = 1e-14 * about;
+    if (variance < rounding * rounding) variance = 0;  // nothing varies
     for (std::size_t i = 0; i < n; ++i) {
       first[i] = variance > 0 ? first[i] / count / variance : 0;
       total[i] = variance > 0 ? total[i] / count / variance : 0;

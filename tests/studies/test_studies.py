@@ -149,6 +149,14 @@ class Fit(Job):
         two = self.report(self.file("fit, tau, 0.1, 10\nfit, gamma, 0.1, 5\nstep, 1.1\nmeasure, 3, lambda_e, 1.03, 0.01\n"))
         self.assertTrue(any("cannot tell tau, gamma apart" in w for w in two["warnings"]), two["warnings"])
 
+    def test_a_fit_without_a_result(self):
+        """Where gamma < 1, G reaches G_max with an infinite slope."""
+        text = self.run_it(self.file("fit, gamma, 0.5, 1\nfit, G_max, 1.01, 1.05\nramp, 2, 1.1\nramp, 10, 3\nramp, 0.2, 1.3\n"
+                                     "step, 10\nmeasure, 0.2, lambda_e, 1.05, 1000\nmeasure, 3, G, 1, 1e-6\n"
+                                     "measure, 1.05, lambda_e, 10, 1e-6\n"), "--starts", 2, status=2)
+        self.assertRegex(text, r"error: no fit from tau = 0.5, gamma = .*: expected narrower bounds")
+        self.assertNotIn("Residual", text)
+
     def test_robust(self):
         text = (EXAMPLES / "identification" / "example.csv").read_text() + "measure, 5, lambda_e, 1.2, 0.003\n"
         squares, robust = (self.report(self.file(text), *more)["values"][0] for more in ((), ("--robust", 1.5)))
@@ -421,6 +429,10 @@ class Protocol(Job):
                            ("ramp, 1.1\n", "study.csv:1:10: expected a time in days, a number > 0, found nothing"),
                            ("hold, -1\n", "study.csv:1:7: expected a time in days, a number > 0, found '-1'")])
 
+    def test_no_result(self):
+        """With c1 < 0 a strip that is compressed far has no side stretch without stress."""
+        self.assertIn("study: no result at stretch 0.198", self.run_it(self.file("set, c1, -1\nramp, 0.1, 10\n"), status=2))
+
     def test_says_what_it_does_not_use(self):
         text = self.run_it(self.file("fit, tau, 0.1, 5\nstep, 1.1\nhold, 3\nmeasure, 3, G, 1.02, 1\n"))
         self.assertIn("Not used of study: its rows 'fit', its measurements.", text)
@@ -454,6 +466,13 @@ class Design(Job):
         values = [3 / (((1.3 - (1 + (end - 1) * i / n)) / 0.3)**2.5 * 0.05) for i in range(n + 1)]
         simpson = (values[0] + values[-1] + 4 * sum(values[1:-1:2]) + 2 * sum(values[2:-1:2])) * (end - 1) / n / 3
         self.assertAlmostEqual(r["days"] / simpson, 1, delta=1e-8)
+
+    def test_a_muscle_that_grows_without_end(self):
+        """G_max = 1e12: k_g is 1/tau, so that T = tau (target/m - 1)/(m - lambda_crit)."""
+        for gamma in (0, 1, 2.5):
+            r = self.report("--design", 1.14, "--limit", 1.05, "--set", "G_max=1e12", "--set", f"gamma={gamma}")
+            self.assertAlmostEqual(r["days"] / (0.5 * (1.14 / 1.05 - 1) / 0.04), 1, delta=1e-9)
+            self.assertLess(r["G_off"], 2e-6)
 
     def test_schedule(self):
         self.report("--design", 1.2, "--limit", 1.06, "--set", "tau=3", "--set", "G_max=1.3", "--rest-length", 250)
@@ -556,6 +575,14 @@ class Sensitivity(Job):
                                    (("a.csv",), "'a.csv': no file is read")):
             with self.subTest(arguments):
                 self.assertIn(message, self.run_it(*arguments, status=2))
+
+    def test_what_does_not_vary_or_too_much(self):
+        r = self.report("--histories", 900, "--stretch", 1.001, "--range", "lambda_crit=1.01:1.02")
+        self.assertEqual([g["sd"] for g in r["global"]][1], 0)
+        self.assertEqual([i["first"] for i in r["global"][1]["indices"]], [0] * 7)
+        self.assertIn("the variance of the peak force is beyond the range of double",
+                      self.run_it("--histories", 900, "--range", "c1=0:1e300", status=2))
+        self.assertIn("a history has no result: tau = ", self.run_it("--histories", 900, "--range", "gamma=1:1e6", status=2))
 
     def test_threads_that_cannot_be_started(self):
         def limit():  # stacks of 1000 threads do not fit
