@@ -179,5 +179,8 @@ def main():
 
 
 if __name__ == "__main__":
-    with files.faults_in_one_line("./run cube", KeyboardInterrupt, ImportError, ValueError):
-        main()
+    with files.faults_in_one_line("./run cube", ImportError, ValueError):
+        try:
+            main()
+        except KeyboardInterrupt:
+            sys.exit("./run cube: interrupted")

@@ -140,6 +140,7 @@ contains
     allocate (s%statev_initial(nstatv), source=0.0_dp)
     s%statev_initial(:size(first)) = first
     call g%quoted('umat_file', s%umat_file)
+    call require(g, s%umat_file /= '' .or. .not. g%has('umat_file'), 'umat_file', 'must not be empty')
   end subroutine read_material
 
   subroutine read_element(g, s)

@@ -78,6 +78,7 @@ contains
       inside = .false.
     end do
     if (inside) call g%fail_at(g%line, 'is not closed by / before the end of the file')
+    if (size(groups) == 0) call stop_run(status_input, name//': has no group; a group is &NAME ... /')
   end subroutine read_groups
 
   ! line: the line without comment, and without tabs outside quotes. hidden: the same with quotation marks for all

@@ -488,6 +488,8 @@ class InputErrors(unittest.TestCase):
     def test_structure(self):
         self.expect("&time\n dt = 1\n", "case.nml:1: &time: is not closed by /")
         self.expect("dt = 1\n", "case.nml:1", "outside a group")
+        for text in ("", "\n", "! a comment\n", "\ufeff"):
+            self.expect(text, "case.nml: has no group; a group is &NAME ... /")
         self.expect("&time dt = 1 /\n&time dt = 2 /\n", "case.nml:2: &time: given already in line 1")
 
     def test_loading(self):
@@ -588,6 +590,7 @@ class InputErrors(unittest.TestCase):
         self.expect("&output folder = 'a' 'b' /\n", "must be one text in quotes, found 2")
         self.expect("&output folder = 'a\n' /\n", "case.nml:1", "a quote is not closed")
         self.expect("&output folder = ' ' /\n", "must not be empty")
+        self.expect("&material umat_file = '' /\n", "must not be empty")
         self.expect("&output folder = out/a /\n", "text after the closing /")
         self.expect("&time du\x01ration = 1 /\n", r'unknown variable "du\x01ration"')
         self.expect("&time = 1 /\n", "must be NAME = VALUE")
