@@ -86,6 +86,7 @@ inline std::string hint(std::string_view text) {
   if (text.find(';') != text.npos)
     return ": semicolons do not separate fields; decimals need a point, as 0.5";
   if (text.find('\t') != text.npos) return ": tabs do not separate fields";
+  if (text.find(' ') != text.npos) return ": blanks do not separate fields";
   if (text.find('"') != text.npos) return ": write it without quotes";
   if (std::from_chars(text.data(), text.data() + text.size(), x).ec == std::errc::result_out_of_range)
     return ": beyond the range of double";

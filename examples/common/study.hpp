@@ -22,6 +22,8 @@
 #ifndef MYOGROWTH_EXAMPLES_STUDY_HPP
 #define MYOGROWTH_EXAMPLES_STUDY_HPP
 
+#include <sys/file.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -557,6 +559,9 @@ class Folder {
     if (!common::is_text(path))
       throw Error("--out " + visible(path) + ": expected a name without control characters");
     common::make_folder(path);
+    // The lock lasts until the program ends.
+    if (flock(open(path.c_str(), O_RDONLY | O_CLOEXEC), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+      throw Error(path + ": another run is at work there");
     for (const char* name : names) {
       std::error_code error;
       std::filesystem::remove(path_ / name, error);

@@ -112,6 +112,8 @@ TEST_F(RowsTest, NamesDecimalCommasAndOtherSeparators) {
             "decimals need a point, as 0.5");
   EXPECT_EQ(fault("number\t1\t2\n"),
             "a.csv:1:1: expected number, found 'number\\t1\\t2': tabs do not separate fields");
+  EXPECT_EQ(fault("number 1 2\n"),
+            "a.csv:1:1: expected number, found 'number 1 2': blanks do not separate fields");
   EXPECT_EQ(fault("number, \"1\", 2\n"),
             "a.csv:1:9: expected a value, a number, found '\"1\"': write it without quotes");
   EXPECT_EQ(fault("0,5 1 2\n", Separator::blanks),

@@ -3,8 +3,10 @@
 test_studies.py SOURCE PROGRAMS [unittest arguments]
 """
 import csv
+import fcntl
 import json
 import math
+import os
 import pathlib
 import resource
 import signal
@@ -432,6 +434,15 @@ class Protocol(Job):
     def test_no_result(self):
         """With c1 < 0 a strip that is compressed far has no side stretch without stress."""
         self.assertIn("study: no result at stretch 0.198", self.run_it(self.file("set, c1, -1\nramp, 0.1, 10\n"), status=2))
+
+    def test_two_runs_do_not_share_a_folder(self):
+        path = self.file("step, 1.1\n")
+        self.run_it(path)
+        folder = os.open(self.folder / "out", os.O_RDONLY)
+        self.addCleanup(os.close, folder)
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        self.assertIn("out: another run is at work there", self.run_it(path, status=2))
+        self.assertTrue((self.folder / "out" / "report.json").exists())
 
     def test_says_what_it_does_not_use(self):
         text = self.run_it(self.file("fit, tau, 0.1, 5\nstep, 1.1\nhold, 3\nmeasure, 3, G, 1.02, 1\n"))
