@@ -11,6 +11,7 @@ allowed. Needs Python 3.9 and nothing else.
 import argparse
 import contextlib
 import csv
+import io
 import json
 import math
 import os
@@ -47,6 +48,8 @@ def faults_in_one_line(program, *more):
     and the exceptions in `more`. What was printed must have arrived as well."""
     if sys.stdout is None:
         sys.exit(f"{program}: standard output is closed")
+    if isinstance(sys.stdout, io.TextIOWrapper):  # what the terminal's encoding does not have is shown by its code
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         yield
         sys.stdout.flush()

@@ -151,6 +151,11 @@ class Files(Folder):
             done = self.run_with("print('a result')", stdout=full)
         self.assertEqual((done.returncode, done.stderr),
                          (1, "job: standard output cannot be written: No space left on device\n"))
+        done = self.run_with("print('λ')", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "\\u03bb\n", ""))
+        done = subprocess.run(["sh", "-c", '"$@" >&-', "sh", sys.executable, EXAMPLES / "cylinder_mesh.py", "tiny", self.path],
+                              stderr=subprocess.PIPE, text=True)
+        self.assertEqual((done.returncode, done.stderr), (1, "cylinder_mesh.py: standard output is closed\n"))
         for body, words in (("open('/nowhere')", "job: /nowhere: No such file or directory\n"),
                             ("open('/')", "job: /: Is a directory\n"),
                             ("import subprocess; subprocess.run(['false'], check=True)", "job: false ended with status 1\n"),
