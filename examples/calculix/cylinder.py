@@ -243,7 +243,7 @@ def run_legs(a, case, mesh, gauss, folder, progress_of=Progress):
             except KeyboardInterrupt:
                 raise Interrupted(f"\ninterrupted between day {start:g} and {end:g}; to go on from day {start:g}: "
                                "the same command with --resume") from None
-            # From when the .npz is there the leg is done: its prints are in it, and its own start is needed no more.
+            # Once the .npz is there, the leg is done: it has the printed results, and the leg's own restart file can go.
             with files.writing(result) as part:
                 rout = folder / f"{name}.rout" if k + 1 < len(legs) else None
                 restart = kept.write_leg(part, rows, state, inp, folder / f"{name}.frd", rout)

@@ -261,6 +261,7 @@ def draw_sections(path, case, fields, name, label, title):
 def draw(out):
     """Draws all figures into the folder of the run; their names."""
     out = pathlib.Path(out)
+    files.remove(out / name for name in NAMES)
     case = kept.read_case(out)
     h = history.read(out / "history.csv")
     fields = kept.arrays(out / "fields.npz", "times", "names", "displacement", "gauss", "muscle")

@@ -44,7 +44,7 @@ def differences(old, new):
 
 
 def programs(ccx, library):
-    """What makes a run beside its case: the two programs, by the digests of their files."""
+    """The digests of the two programs that a run is made with."""
     return {path.name: digest(files.read_bytes(path)) for path in (ccx, library)}
 
 
@@ -53,7 +53,7 @@ def write_programs(folder, now):
 
 
 def changed_programs(folder, now):
-    """The names of the programs that are not those that the run in a folder was made with."""
+    """The names of the programs that have changed since the run in a folder was made."""
     path = folder / "programs.json"
     then = files.read_json(path) if path.is_file() else now
     return [name for name in now if then.get(name) != now[name]]

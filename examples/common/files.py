@@ -53,7 +53,7 @@ def faults_in_one_line(program, *more):
     try:
         yield
         sys.stdout.flush()
-    except BrokenPipeError:  # `| head`: who read has gone, and needs no message
+    except BrokenPipeError:  # `| head`: the reader has ended, and needs no message
         _drop_standard_output()
         sys.exit(1)
     except subprocess.CalledProcessError as e:
@@ -61,10 +61,14 @@ def faults_in_one_line(program, *more):
         said = e.stderr.decode(errors="replace") if isinstance(e.stderr, bytes) else e.stderr or ""
         sys.exit(f"{program}: {command} {ended(e.returncode)}" + (f":\n{said.strip()}" if said.strip() else ""))
     except OSError as e:
-        if e.filename is None:
+        if e.filename is not None:
+            sys.exit(f"{program}: {os.fspath(e.filename)}: {reason(e)}")
+        try:
+            sys.stdout.flush()  # fails again if it was that
+        except OSError:
             _drop_standard_output()
             sys.exit(f"{program}: standard output cannot be written: {reason(e)}")
-        sys.exit(f"{program}: {os.fspath(e.filename)}: {reason(e)}")
+        sys.exit(f"{program}: {reason(e)}")
     except (FileError, MemoryError, *more) as e:
         sys.exit(f"{program}: {e or 'not enough memory'}")
 
@@ -127,8 +131,8 @@ def make_folder(path):
 
 @contextlib.contextmanager
 def writing(path):
-    """Gives the name to write to, and puts the file into place when all of it is written: whoever reads `path` finds the
-    old file or the new one, never a part. Devices and pipes are written as they are."""
+    """Gives the name to write to, and renames that file to `path` when all of it is written: `path` is the old file or the
+    new one, never a part. Devices and pipes are written directly."""
     path = pathlib.Path(path)
     try:
         exists = path.exists()
@@ -136,7 +140,7 @@ def writing(path):
         if path.is_dir():
             raise FileError(f"{path}: cannot be written: it is a folder")
         target = path if direct else path.resolve()
-        part = path if direct else target.with_name(f"part_{os.getpid()}_{target.name}")  # ends alike: writers go by it
+        part = path if direct else target.with_name(f"part_{os.getpid()}_{target.name}")  # same suffix: it selects the format
     except OSError as e:
         raise FileError(f"{path}: cannot be written: {reason(e)}") from None
     try:
@@ -203,6 +207,8 @@ def lock(path):
         fcntl.flock(_locks[-1], fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise FileError(f"{path.parent}: another run is at work there") from None
+    except OSError:  # a file system without locks
+        pass
 
 
 def locks():

@@ -158,6 +158,7 @@ class Files(Folder):
         self.assertEqual((done.returncode, done.stderr), (1, "cylinder_mesh.py: standard output is closed\n"))
         for body, words in (("open('/nowhere')", "job: /nowhere: No such file or directory\n"),
                             ("open('/')", "job: /: Is a directory\n"),
+                            ("import os; os.read(99, 1)", "job: Bad file descriptor\n"),
                             ("import subprocess; subprocess.run(['false'], check=True)", "job: false ended with status 1\n"),
                             ("import subprocess; subprocess.run(['sh', '-c', 'kill -9 $$'], check=True)",
                              "job: sh was killed by signal 9 (Killed)\n")):
