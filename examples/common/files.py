@@ -11,6 +11,7 @@ allowed. Needs Python 3.9 and nothing else.
 import argparse
 import contextlib
 import csv
+import errno
 import io
 import json
 import math
@@ -22,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 
+FULL = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT, errno.EIO)
 TRIAL = 65536  # bytes, written on trial where results are to go
 
 
@@ -63,12 +65,10 @@ def faults_in_one_line(program, *more):
     except OSError as e:
         if e.filename is not None:
             sys.exit(f"{program}: {os.fspath(e.filename)}: {reason(e)}")
-        try:
-            sys.stdout.flush()  # fails again if it was that
-        except OSError:
-            _drop_standard_output()
-            sys.exit(f"{program}: standard output cannot be written: {reason(e)}")
-        sys.exit(f"{program}: {reason(e)}")
+        if e.errno not in FULL:
+            sys.exit(f"{program}: {reason(e)}")
+        _drop_standard_output()  # files have names: see writing()
+        sys.exit(f"{program}: standard output cannot be written: {reason(e)}")
     except (FileError, MemoryError, *more) as e:
         sys.exit(f"{program}: {e or 'not enough memory'}")
 
