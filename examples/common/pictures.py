@@ -3,7 +3,7 @@
     pictures.py fit | protocol | sensitivity PROGRAM [ARGUMENTS OF PROGRAM]
     pictures.py validate PROGRAM FILE.csv ...       every file by the fit program, into out/validation
 
-The status is the program's; 1 if a picture, a table or standard output cannot be written, which is said.
+The status is the program's; 1 if a picture, a table or standard output cannot be written (the message names it).
 """
 import io
 import itertools
@@ -101,7 +101,7 @@ def draw_fit(out):
         else:
             ax.xaxis.set_major_locator(matplotlib.ticker.MaxNLocator(5))
         ax.set(xlabel=SYMBOLS[p["name"]], ylim=(-0.3, 12))
-    axes[0][0].set_ylabel(r"$\chi^2$ above its minimum, the others fitted anew")
+    axes[0][0].set_ylabel(r"$\chi^2$ above its minimum, the others fitted again")
     axes[0][0].legend()
     fig.tight_layout()
     save(fig, out / "profiles.png")

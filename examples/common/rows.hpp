@@ -190,7 +190,7 @@ class Rows {
   double number_if(std::size_t i, const std::string& what, const Allowed& allowed) const {
     double x;
     if (i >= size() || !to_number(fields_[i], x) || !allowed(x)) unexpected(i, what);
-    // `ramp, 1,1` would be read as two numbers, without a word.
+    // `ramp, 1,1` would be read silently as two numbers.
     if (blank_after_comma_ && !decimal_comma(i).empty()) {
       const std::string whole(fields_[i]), part(fields_[i + 1]);
       fail(i, "two numbers or one? write '" + whole + ", " + part + "' or '" + whole + "." + part + "'");

@@ -17,8 +17,8 @@
 ///   distract, MM_PER_DAY, DAYS       a constant rate of lengthening
 ///   measure, DAY, QUANTITY, VALUE, SD   lambda_e (relative sarcomere length) or G (relative number)
 ///
-/// The history starts with stretch 1 on day 0 and ends with its last row; the last stretch stays. What is
-/// said twice is an error, but a row may replace one of a file that was included before.
+/// The history starts with stretch 1 on day 0 and ends with its last row; the last stretch stays. The same
+/// row twice is an error, but a row may replace one of a file that was included before it.
 #ifndef MYOGROWTH_EXAMPLES_STUDY_HPP
 #define MYOGROWTH_EXAMPLES_STUDY_HPP
 
@@ -216,13 +216,13 @@ class Reader {
     file(*other);
   }
 
-  /// Fails if the same has been said before, other than in a file that this one has included, which it may
-  /// replace.
+  /// Fails if the same has already been given. A row may replace one of a file that its own file has
+  /// included.
   void once(const Rows& rows, const std::string& what, bool may_replace = true) {
-    const auto [before, first] = said_.insert({what, {rows.place(0), chain_.size()}});
+    const auto [before, first] = given_before_.insert({what, {rows.place(0), chain_.size()}});
     if (first) return;
     if (!may_replace || before->second.second <= chain_.size())
-      rows.fail(0, what + " is said before, in " + before->second.first);
+      rows.fail(0, what + " was already given, in " + before->second.first);
     before->second = {rows.place(0), chain_.size()};
   }
 
@@ -309,7 +309,7 @@ class Reader {
   Study& study_;
   std::vector<std::string> chain_;  // the files that are open, each included by the one before
   std::size_t n_rows_ = 0;
-  std::map<std::string, std::pair<std::string, std::size_t>> said_;  // where, and how deep
+  std::map<std::string, std::pair<std::string, std::size_t>> given_before_;  // where, and how deep
 };
 
 // ---- Histories
@@ -557,7 +557,7 @@ class Folder {
  public:
   Folder(const std::string& path, const std::vector<const char*>& names) : path_(path) {
     if (!common::is_text(path))
-      throw Error("--out " + visible(path) + ": expected a name without control characters");
+      throw Error("--out " + visible(path) + ": expected a name in UTF-8 without control characters");
     common::make_folder(path);
     // The lock lasts until the program ends.
     if (flock(open(path.c_str(), O_RDONLY | O_CLOEXEC), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)

@@ -1,4 +1,4 @@
-// A growth law of one's own: hypertrophy. A muscle that is loaded for weeks adds sarcomeres in parallel, and
+// A user-defined growth law: hypertrophy. A muscle that is loaded for weeks adds sarcomeres in parallel, and
 // becomes thicker until the tension on each sarcomere is back at its old value. Prints six weeks of growth,
 // and compares the tangent with differences.
 #include <cmath>

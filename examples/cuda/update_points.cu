@@ -92,7 +92,7 @@ const char* const usage =
     "usage: update_points [--points N] [--precision fp64|fp32|all] [--tangent full|compact|all]\n"
     "                     [--repetitions N] [--out FILE.json]\n\n"
     "One step of N muscle points (default 2000000) on the CUDA device, checked against the CPU and\n"
-    "timed beside a copy of as many bytes; the median of the repetitions (default 21). --out writes\n"
+    "timed, as is a copy of as many bytes; the median of the repetitions (default 21). --out writes\n"
     "what was measured as JSON. Exits with 1 if device and CPU differ by more than rounding, or where\n"
     "there is no device.\n";
 
@@ -131,8 +131,8 @@ Options parse(int argc, char** argv) {
   return o;
 }
 
-/// Refuses points that do not fit into the device's memory or into this machine's, where the system would end
-/// the program without a word.
+/// Refuses points that do not fit into the memory of the device or of this machine, whose system would kill
+/// the program.
 template <Tangent tangent, class V>
 void check_memory(std::size_t n) {
   constexpr double in = 9 + 3 + 1, out = 6 + 1 + tangent_size(tangent), copied = (in + out) / 2 * 2;

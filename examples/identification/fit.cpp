@@ -1,7 +1,7 @@
 // Finds parameters of the growth law from measured sarcomere lengths or numbers: least squares by Ceres
 // Solver.
 //
-// What of the library it shows: eq. 4's time step with a dual number as its scalar. A Jet for every parameter
+// Shows from the library: eq. 4's time step with a dual number as its scalar. A Jet for every parameter
 // goes in, and the derivatives of the whole history with respect to tau, gamma, G_max and lambda_crit come
 // out (study.hpp, grow); nothing is differentiated by hand or by differences.
 #include <ceres/ceres.h>
@@ -51,7 +51,7 @@ struct Curve {
   std::vector<T> G;
 };
 
-/// What is asked of the data, beside the parameters.
+/// The data of a fit, without its parameters.
 struct Question {
   const study::Study& data;
   std::vector<study::Knot> points;  // the history, cut into steps that end at the measurements too
@@ -158,13 +158,13 @@ Fit minimise(const Question& question, const Values& start, const Free& free) {
 }
 
 /// Fits from several starts within the bounds, the first given. All fits, the best first.
-/// said: whether to tell how far it is.
+/// progress: whether to print it.
 std::vector<Fit> fits_from_starts(const Question& question, const Values& first, const Free& free,
-                                  long starts, std::mt19937_64& random, bool said) {
+                                  long starts, std::mt19937_64& random, bool progress) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Fit> fits{minimise(question, first, free)};
   for (long s = 1; s < starts && !question.data.fitted.empty(); ++s) {
-    if (said) std::fprintf(stderr, "\r  start %ld of %ld", s + 1, starts);
+    if (progress) std::fprintf(stderr, "\r  start %ld of %ld", s + 1, starts);
     Values start = first;
     for (const study::Bounds& b : question.data.fitted) {
       start[b.index] = b.at(unit(random));
@@ -590,7 +590,7 @@ int fit(int argc, char** argv) {
 
 int main(int argc, char** argv) {
 #if __has_include(<glog/logging.h>)
-  FLAGS_minloglevel = google::GLOG_FATAL;  // what Ceres logs is said by our errors
+  FLAGS_minloglevel = google::GLOG_FATAL;  // our errors replace Ceres's log
 #endif
   return study::run([&] { return fit(argc, argv); });
 }

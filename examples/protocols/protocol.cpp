@@ -1,7 +1,7 @@
 // Compares protocols of lengthening, and finds the fastest that keeps the elastic stretch below a limit.
 //
-// What of the library it shows: a strip of muscle with free sides, pulled (study.hpp, pull: uniaxial_stress
-// with the exact flow of eq. 4), and the adaptation function by itself.
+// Shows from the library: a strip of muscle with free sides under tension (study.hpp, pull: uniaxial_stress
+// with the exact flow of eq. 4), and the adaptation function.
 #include "../common/study.hpp"
 
 namespace {
@@ -84,7 +84,7 @@ std::string json_of(const std::vector<Point>& run) {
                              {"force", column(&Point::force)}});
 }
 
-/// Says which rows of a study are not used here; empty if all are.
+/// A line that names the rows of a study that are not used here; empty if all are.
 std::string not_used(const study::Study& s, bool history_is) {
   std::string rows;
   if (!history_is && s.knots.size() > 1) rows += "its history, ";
@@ -122,7 +122,7 @@ int compare(const study::Options& options) {
   std::vector<std::string> items;
   std::size_t steps = 0;
   for (const study::Study& s : protocols) {
-    // All to the same day, so that they can be compared.
+    // All end on the same day, so that they can be compared.
     const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02, s.name), s.name);
     if ((steps += run.size()) > study::most_steps)
       throw study::Error(s.name + ": more than " + std::to_string(study::most_steps) +
@@ -163,7 +163,7 @@ int compare(const study::Options& options) {
 constexpr int most_days = 36500;  // of a schedule
 constexpr int most_step_days = 3650;
 
-/// With lambda_e held at its limit m the right side of eq. 4 is a function of G alone. In x = (G_max -
+/// With lambda_e held at its limit m the right side of eq. 4 is a function of G only. In x = (G_max -
 /// G)/(G_max - 1) it reads dx/dt = -s x^gamma, s = (m - lambda_crit)/(tau (G_max - 1)), x(0) = 1.
 struct Ride {
   const myogrowth::GrowthRate<>& growth;
@@ -192,7 +192,8 @@ struct Ride {
   }
 };
 
-/// The same in steps once a day: every morning up to the limit for the G that the night has made. Knots.
+/// Knots of the same in daily steps: at the start of each day the stretch rises to the limit for the G of
+/// then.
 std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, double limit, double target) {
   std::vector<study::Knot> knots{{0, 1}};
   double G = 1;
@@ -205,8 +206,8 @@ std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, dou
   return knots;
 }
 
-/// The shortest ramp at a constant rate, from stretch 1, that keeps to the limit; its days. Infinite: longer
-/// than `most`.
+/// Days of the shortest ramp at a constant rate, from stretch 1, that stays within the limit. Infinite:
+/// longer than `most`.
 double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, double target, double most) {
   const auto admissible = [&](double days) {
     const auto run =

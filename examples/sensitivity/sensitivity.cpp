@@ -1,17 +1,17 @@
-// What decides how far a muscle is overstretched? Sensitivity of the elastic stretch and the force to the
-// law's parameters and to the ramp: local, by dual numbers through whole histories; global, by Sobol's
+// Which inputs determine how far a muscle is overstretched? Sensitivity of the elastic stretch and the force
+// to the law's parameters and to the ramp: local, by dual numbers through whole histories; global, by Sobol's
 // indices.
 //
-// What of the library it shows: parameters as dual numbers, uniaxial stress included; and the batch kernel on
+// Shows from the library: parameters as dual numbers, uniaxial stress included; and the batch kernel on
 // a million histories whose parameters all differ. The batch takes one material a call (a SIMD pack cannot be
 // the parameters' type: the local solve branches on them). But eq. 4 has similarity solutions: with s =
 // G_max/2,
 //
 //   G = s G', lambda = lambda_crit s lambda', t = t' s tau/lambda_crit [(G_max - 1)/s]^gamma
 //
-// make of every history one of the material with tau = 1, G_max = 2, lambda_crit = 1 and the same gamma.
-// Stretch, start and time step are any point's own. What is left is gamma: it takes one of `levels` values, a
-// call each.
+// turn every history into one of the material with tau = 1, G_max = 2, lambda_crit = 1 and the same gamma.
+// Each point has its own stretch, start and time step. Only gamma remains: it takes one of `levels` values,
+// with one call each.
 #include <array>
 #include <chrono>
 #include <ctime>
@@ -124,8 +124,8 @@ std::array<T, 3> outputs(const std::vector<Row<T>>& rows) {
 
 // ---- Many histories
 
-/// What the batch reads as F: the stretch along the fibre of every point, and nothing across. A view is
-/// whatever says where component c of the points from i on lies.
+/// F of the points as the batch reads it: the stretch along the fibre, 1 across it. A view tells where
+/// component c of the points from i on is stored.
 struct AlongFibre {
   const double *stretch, *zeros, *ones;  // the last two as long as a pack
   struct Place {
@@ -203,8 +203,8 @@ void run_together(const Case& c, History* const* some, std::size_t n) {
   }
 }
 
-/// Calls body(part) for the parts of a whole, over threads; with a word on progress now and then. What a
-/// thread throws comes out of here.
+/// Calls body(part) for parts 0 to parts - 1 on several threads and prints progress. An exception of a thread
+/// is thrown again here.
 template <class Body>
 void in_threads(std::size_t parts, unsigned threads, const char* what, const Body& body) {
   std::vector<std::future<void>> workers;
@@ -315,7 +315,7 @@ std::string indices_json(std::size_t rows, const F& f, unsigned threads, unsigne
 
 constexpr std::array<const char*, 3> output_names = {"peak lambda_e", "final lambda_e", "peak force"};
 
-/// The muscle of some inputs, for the check of its parameters.
+/// The muscle that these inputs describe, for the check of its parameters.
 myogrowth::FibreGrowth<> muscle_of(const Inputs<double>& x) {
   myogrowth::FibreGrowth<> muscle;
   muscle.growth = {x[0], x[1], x[2], x[3]};
@@ -324,8 +324,8 @@ myogrowth::FibreGrowth<> muscle_of(const Inputs<double>& x) {
   return muscle;
 }
 
-/// --range NAME=LOW:HIGH, all of them. The two ends are checked as a muscle's parameters; so is all between
-/// them then.
+/// --range NAME=LOW:HIGH, all of them. Both ends are checked as parameters of a muscle, which covers all
+/// values between them.
 void set_ranges(const study::Options& options, Case& c) {
   std::array<std::string, n_inputs> places;
   for (const std::string& text : options.all("range")) {

@@ -247,11 +247,11 @@ class Fit(Job):
         self.file("title, inner\nset, tau, 3\n", "inner.csv")
         end = "step, 1.1\nmeasure, 3, G, 1.02, 1\n"
         self.check_errors([
-            ("set, tau, 1\nset, gamma, 1\nset, tau, 2\n" + end, "study.csv:3:1: set, tau is said before, in "),
-            ("fit, tau, 1, 2\nfit, tau, 1, 3\n" + end, "study.csv:2:1: fit, tau is said before"),
-            ("title, a\ntitle, b\n" + end, "study.csv:2:1: the title is said before"),
-            ("set, tau, 1\ninclude, inner.csv\n" + end, "inner.csv:2:1: set, tau is said before, in "),
-            (end + "measure, 3.0, G, 1.02, 1\n", "study.csv:3:1: the measurement of G = 1.02 on day 3 is said before"),
+            ("set, tau, 1\nset, gamma, 1\nset, tau, 2\n" + end, "study.csv:3:1: set, tau was already given, in "),
+            ("fit, tau, 1, 2\nfit, tau, 1, 3\n" + end, "study.csv:2:1: fit, tau was already given"),
+            ("title, a\ntitle, b\n" + end, "study.csv:2:1: the title was already given"),
+            ("set, tau, 1\ninclude, inner.csv\n" + end, "inner.csv:2:1: set, tau was already given, in "),
+            (end + "measure, 3.0, G, 1.02, 1\n", "study.csv:3:1: the measurement of G = 1.02 on day 3 was already given"),
         ])
         r = self.report(self.file("include, inner.csv\ntitle, outer\nset, tau, 0.5\n" + end + "measure, 3, G, 1.03, 1\n"))
         self.assertEqual((r["title"], r["values"][0], len(r["measurements"])), ("outer", 0.5, 2))
