@@ -133,7 +133,7 @@ def _array(name: str, value: Any) -> Floats:
     _demand_exact(name, array, value)
     with np.errstate(over="ignore"):
         doubles = np.asarray(array, dtype=float)
-    if (np.isfinite(array) & ~np.isfinite(doubles)).any():
+    if doubles is not array and (np.isfinite(array) & ~np.isfinite(doubles)).any():
         raise ValueError(f"{name}: must be within the range of double, is {_shown(value)}")
     return doubles
 
