@@ -50,7 +50,7 @@ def main():
     p.add_argument("-o", "--output", metavar="BLOCK.inp", help="file to write (default: standard output)")
     a = p.parse_args()
     with files.faults_in_one_line("fibres_to_initial_conditions.py"):
-        files.write_text_or_print(a.output, block(read(a.fibres), a.depvar), encoding="ascii")
+        files.write_text_or_print(a.output, block(read(a.fibres), a.depvar), encoding="ascii", source=a.fibres)
 
 
 if __name__ == "__main__":

@@ -167,8 +167,10 @@ def write_text(path, text, encoding="utf-8"):
         f.write(text)
 
 
-def write_text_or_print(path, text, encoding="utf-8"):
-    """To the file, or to standard output where `path` is None."""
+def write_text_or_print(path, text, encoding="utf-8", source=None):
+    """To the file, or to standard output where `path` is None. `source` is the file that the text was made from."""
+    if path and source and os.path.exists(path) and os.path.samefile(path, source):
+        raise FileError(f"{path}: cannot be written: it is the file that was read")
     if path is None:
         sys.stdout.write(text)
     else:

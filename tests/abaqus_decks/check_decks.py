@@ -701,6 +701,13 @@ class Fibres(unittest.TestCase):
             done = self.make(GOOD, "-o", output)
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, rf"^fibres_to_initial_conditions.py: {output}.*: .+\n$")
+        with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:  # the table itself as the output
+            table = pathlib.Path(folder) / "fibres.csv"
+            table.write_text(GOOD)
+            done = subprocess.run([sys.executable, EXAMPLES / "fibres_to_initial_conditions.py", table, "-o", table],
+                                  capture_output=True, text=True)
+            self.assertEqual((done.returncode, table.read_text()), (1, GOOD))
+            self.assertIn("fibres.csv: cannot be written: it is the file that was read", done.stderr)
 
 
 class Sdvini(unittest.TestCase):
