@@ -703,10 +703,10 @@ class Fibres(unittest.TestCase):
             self.assertRegex(done.stderr, rf"^fibres_to_initial_conditions.py: {output}.*: .+\n$")
         with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:  # the table itself as the output
             table = pathlib.Path(folder) / "fibres.csv"
-            table.write_text(GOOD)
+            table.write_bytes(GOOD.encode())
             done = subprocess.run([sys.executable, EXAMPLES / "fibres_to_initial_conditions.py", table, "-o", table],
                                   capture_output=True, text=True)
-            self.assertEqual((done.returncode, table.read_text()), (1, GOOD))
+            self.assertEqual((done.returncode, table.read_bytes()), (1, GOOD.encode()))
             self.assertIn("fibres.csv: cannot be written: it is the file that was read", done.stderr)
 
 
