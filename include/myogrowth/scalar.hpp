@@ -51,6 +51,7 @@
 #endif
 #else
 #define MYOGROWTH_OPAQUE_INTEGER(x)
+/// MYOGROWTH_OPAQUE_INTEGER for a floating-point number.
 #define MYOGROWTH_OPAQUE(x)
 #endif
 /// What is rarely called: kept out of the code around it. (On a GPU a call would push all out of registers.)

@@ -19,6 +19,7 @@
 #include <arm_neon.h>
 #endif
 
+/// MYOGROWTH_OPAQUE for a register of a mask.
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 #define MYOGROWTH_OPAQUE_MASK(x)  \
   do {                            \
