@@ -513,6 +513,12 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
+/// Shows on a terminal how far a run is; printf's arguments.
+template <class... Values>
+void show_progress(const char* pattern, Values... values) {
+  if (isatty(STDERR_FILENO)) std::fputs(format(pattern, values...).c_str(), stderr);
+}
+
 /// JSON, as texts.
 inline std::string json(double x) { return std::isfinite(x) ? text_of(x) : "null"; }
 inline std::string json(const std::string& text) {

@@ -164,7 +164,7 @@ std::vector<Fit> fits_from_starts(const Question& question, const Values& first,
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Fit> fits{minimise(question, first, free)};
   for (long s = 1; s < starts && !question.data.fitted.empty(); ++s) {
-    if (progress) std::fprintf(stderr, "\r  start %ld of %ld", s + 1, starts);
+    if (progress) study::show_progress("\r  start %ld of %ld", s + 1, starts);
     Values start = first;
     for (const study::Bounds& b : question.data.fitted) {
       start[b.index] = b.at(unit(random));
@@ -373,9 +373,9 @@ int coverage(Question q, const Values& truth, const Free& free, const Plan& plan
       if (minimise(q, held, others).chi2 - best.chi2 <= chi2_95) ++by_profile[k];
       sum[k] += best.values[p];
     }
-    if (run % 20 == 19) std::fprintf(stderr, "\r  %ld of %ld runs", run + 1, runs);
+    if (run % 20 == 19) study::show_progress("\r  %ld of %ld runs", run + 1, runs);
   }
-  std::fprintf(stderr, "\n");
+  study::show_progress("%s", "\n");
   std::vector<std::string> items;
   std::string text =
       format("%ld runs, %zu measurements each\n%-12s %10s %12s %26s %26s\n", runs, exact.size(), "parameter",
@@ -423,7 +423,7 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
     const study::Bounds& b = data.fitted[i];
     const auto d = static_cast<Eigen::Index>(i);
     const double x = best.values[b.index], sd = std::sqrt(c.covariance(d, d));
-    std::fprintf(stderr, "\r  profile of %-12s", b.name());
+    study::show_progress("\r  profile of %-12s", b.name());
     const Profile along = profile(q, best, free, b, sd);
     // A curvature of next to nothing is no interval.
     const auto end = [&](double y) {
@@ -450,7 +450,7 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
                                              {"profile_x", json(along.x)},
                                              {"profile", json(along.chi2_more)}}));
   }
-  if (k > 0) std::fprintf(stderr, "\n");
+  if (k > 0) study::show_progress("%s", "\n");
   if (!c.exists) {
     std::string names;
     for (const std::string& name : c.undetermined) names += (names.empty() ? "" : ", ") + name;

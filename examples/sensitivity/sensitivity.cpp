@@ -213,8 +213,8 @@ void in_threads(std::size_t parts, unsigned threads, const char* what, const Bod
       for (std::size_t part = w; part < parts; part += threads) {
         body(part);
         if (w == 0 && part / threads % (parts / threads / 10 + 1) == 0)
-          std::fprintf(stderr, "\r  %s: %3.0f %%", what,
-                       100.0 * static_cast<double>(part) / static_cast<double>(parts));
+          study::show_progress("\r  %s: %3.0f %%", what,
+                               100.0 * static_cast<double>(part) / static_cast<double>(parts));
       }
     };
     try {
@@ -224,7 +224,7 @@ void in_threads(std::size_t parts, unsigned threads, const char* what, const Bod
     }
   }
   for (std::future<void>& worker : workers) worker.get();
-  std::fprintf(stderr, "\r  %s: 100 %%\n", what);
+  study::show_progress("\r  %s: 100 %%\n", what);
 }
 
 void run_all(const Case& c, std::vector<History>& all, unsigned threads) {

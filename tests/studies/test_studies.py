@@ -53,8 +53,9 @@ class Job(unittest.TestCase):
         done = subprocess.run([*map(str, command)], stdout=stdout, stderr=subprocess.PIPE, text=True, preexec_fn=limit)
         return done.returncode, done.stderr
 
-    def check_writing(self, *arguments):
-        """Whatever cannot be written is named with its reason, and the status is not 0."""
+    def check_writing(self, *arguments, slow=None):
+        """Whatever cannot be written is named with its reason, and the status is not 0. With the arguments `slow` it takes
+        minutes, which shows that the folder is tried before the first step."""
         command = [PROGRAMS / self.program, *arguments, "--out"]
         out, taken = self.folder / "out", self.file("", "taken")
         for most in (3000, 0):
@@ -64,9 +65,10 @@ class Job(unittest.TestCase):
         for folder, message in ((taken, "taken: cannot be made a folder: Not a directory"),
                                 (taken / "under", "under: cannot be made a folder: Not a directory"),
                                 (self.folder / ("n" * 300), "nnn: cannot be made a folder: File name too long")):
-            done = subprocess.run([*map(str, command), folder], capture_output=True, text=True)
+            slowly = [command[0], *(slow or arguments), "--out", folder]
+            done = subprocess.run([*map(str, slowly)], capture_output=True, text=True, timeout=10)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
-            self.assertEqual(done.stderr.count("\n"), 1, "before the first step: no progress is shown")
+            self.assertEqual(done.stderr.count("\n"), 1)
             self.assertIn(message, done.stderr)
         with open("/dev/full", "wb") as full:
             status, errors = self.run_limited([*command, out], resource.RLIM_INFINITY, stdout=full)
@@ -331,7 +333,8 @@ class Fit(Job):
         self.assertAlmostEqual(late["measurements"][0]["computed"], last["measurements"][0]["computed"], delta=1e-9)
 
     def test_writing(self):
-        self.check_writing(EXAMPLES / "identification" / "published" / "zollner_2012.csv", "--starts", 1)
+        path = EXAMPLES / "identification" / "published" / "zollner_2012.csv"
+        self.check_writing(path, "--starts", 1, slow=(path, "--starts", 10000))
 
     def test_pictures(self):
         out = self.folder / "out"
@@ -604,7 +607,7 @@ class Sensitivity(Job):
         self.assertRegex(done.stderr, r"--threads = 1000: only [0-9]+ could be started: Resource temporarily unavailable")
 
     def test_writing(self):
-        self.check_writing("--histories", 900)
+        self.check_writing("--histories", 900, slow=("--histories", 10000000))
 
 
 class Programs(unittest.TestCase):
