@@ -558,18 +558,27 @@ inline std::string cell(const std::string& text) {
 }
 
 /// The folder of a run's results. It is made and tried before the first step, and what a run before has left
-/// of the files that this program writes is removed: whatever is there later is of this run.
+/// of `names`, the files that this program writes, is removed: whatever is there later is of this run.
+/// inputs: the files that it reads, which must not be among them.
 class Folder {
  public:
-  Folder(const std::string& path, const std::vector<const char*>& names) : path_(path) {
+  Folder(const std::string& path, const std::vector<std::string>& names,
+         const std::vector<std::string>& inputs)
+      : path_(path) {
     if (!common::is_text(path))
       throw Error("--out " + visible(path) + ": expected a name in UTF-8 without control characters");
     common::make_folder(path);
     // The lock lasts until the program ends.
     if (flock(open(path.c_str(), O_RDONLY | O_CLOEXEC), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
       throw Error(path + ": another run is at work there");
-    for (const char* name : names) {
-      std::error_code error;
+    std::error_code error;
+    for (const std::string& input : inputs) {
+      for (const std::string& name : names) {
+        if (std::filesystem::equivalent(input, path_ / name, error))
+          throw Error(input + ": would be overwritten; expected another folder than --out " + path);
+      }
+    }
+    for (const std::string& name : names) {
       std::filesystem::remove(path_ / name, error);
       if (error) throw Error((path_ / name).string() + ": cannot be removed: " + error.message());
     }

@@ -581,7 +581,8 @@ int fit(int argc, char** argv) {
   }
   const Question q = question_of(data, plan.robust);
   const study::Folder out(options.text("out", "out/fit/" + data.name),
-                          {"report.md", "report.json", "coverage.json", "fit.png", "profiles.png"});
+                          {"report.md", "report.json", "coverage.json", "fit.png", "profiles.png"},
+                          options.files);
   return plan.coverage_runs > 0 ? coverage(q, given, free, plan, random, out)
                                 : estimate(q, given, free, plan, random, out);
 }

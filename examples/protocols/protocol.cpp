@@ -98,8 +98,8 @@ int compare(const study::Options& options) {
     if (options.has(name)) throw study::Error(std::string("--") + name + ": expected only with --design");
   }
   const double injury = options.number("injury", 1.1, 0), within = options.number("within", 0.03, 0);
-  const std::string out_name = options.text("out", "out/protocol");
   std::vector<study::Study> protocols;
+  std::vector<std::string> names{"report.md", "report.json", "protocols.png"};
   double end = 0;
   for (const std::string& file : options.files) {
     protocols.push_back(study::read(file, options));
@@ -109,24 +109,27 @@ int compare(const study::Options& options) {
       if (&other != &read && other.name == read.name)
         throw study::Error(file + ": expected another name than that of a file before");
     }
-    std::error_code none;
-    if (std::filesystem::equivalent(file, std::filesystem::path(out_name) / (read.name + ".csv"), none))
-      throw study::Error(file + ": would be overwritten; expected another folder than --out " + out_name);
+    names.push_back(read.name + ".csv");
     end = std::max(end, read.knots.back().time);
   }
-  const study::Folder out(out_name, {"report.md", "report.json", "protocols.png"});
+  // All end on the same day, so that they can be compared.
+  std::vector<std::vector<study::Knot>> points;
+  std::size_t steps = 0;
+  for (const study::Study& s : protocols) {
+    points.push_back(study::cut(s.knots, {end}, 0.002, 0.02, s.name));
+    if ((steps += points.back().size()) > study::most_steps)
+      throw study::Error(s.name + ": more than " + std::to_string(study::most_steps) +
+                         " time steps with the protocols before it: expected fewer in one run");
+  }
+  const study::Folder out(options.text("out", "out/protocol"), names, options.files);
   std::string text = format(
       "| protocol | lengthened by day | peak lambda_e | on day | days above %g | dose above it [days] | "
       "below %g from day | peak force | G at the end |\n|---|---|---|---|---|---|---|---|---|\n",
       injury, 1 + within);
   std::vector<std::string> items;
-  std::size_t steps = 0;
-  for (const study::Study& s : protocols) {
-    // All end on the same day, so that they can be compared.
-    const auto run = study::pull(s.muscle, study::cut(s.knots, {end}, 0.002, 0.02, s.name), s.name);
-    if ((steps += run.size()) > study::most_steps)
-      throw study::Error(s.name + ": more than " + std::to_string(study::most_steps) +
-                         " time steps with the protocols before it: expected fewer in one run");
+  for (std::size_t i = 0; i < protocols.size(); ++i) {
+    const study::Study& s = protocols[i];
+    const auto run = study::pull(s.muscle, points[i], s.name);
     const Outcome o = judge(s, run, injury, within);
     out.write(s.name + ".csv", csv(run));
     const std::string returned = !std::isfinite(o.returned) ? "never"
@@ -244,7 +247,8 @@ int design(const study::Options& options) {
                        ": expected more than 1 and than lambda_crit = " + study::text_of(growth.lambda_crit) +
                        ", or nothing grows");
   const study::Folder out(options.text("out", "out/design"),
-                          {"report.md", "report.json", "design.png", "schedule.csv", "fastest.csv"});
+                          {"report.md", "report.json", "design.png", "schedule.csv", "fastest.csv"},
+                          options.files);
 
   const Ride ride{growth, limit};
   const double days = ride.day(target);

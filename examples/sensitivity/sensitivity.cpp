@@ -379,7 +379,7 @@ int sensitivity(int argc, char** argv) {
   const auto threads = static_cast<unsigned>(options.count("threads", cores, 1, 1024));
   const auto seed = static_cast<unsigned long>(options.count("seed", 1, 0, 4294967295));
   const study::Folder out(options.text("out", "out/sensitivity"),
-                          {"report.md", "report.json", "local.png", "global.png"});
+                          {"report.md", "report.json", "local.png", "global.png"}, {});
 
   Inputs<double> middle;
   for (std::size_t i = 0; i < n_inputs; ++i) middle[i] = (c.low[i] + c.high[i]) / 2;

@@ -505,6 +505,14 @@ class Design(Job):
                       self.run_it("--design", 1.2, "--limit", 1.005, status=2))
         self.assertIn("expected --limit LAMBDA_E", self.run_it("--design", 1.2, status=2))
 
+    def test_no_input_is_overwritten(self):
+        path = self.file("set, tau, 1\n", "fastest.csv")
+        done = subprocess.run([PROGRAMS / self.program, path, "--design", "1.1", "--limit", "1.05", "--out", self.folder],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("fastest.csv: would be overwritten; expected another folder than --out", done.stderr)
+        self.assertEqual(path.read_text(), "set, tau, 1\n")
+
     def test_an_earlier_run_leaves_nothing(self):
         self.report("--design", 1.1, "--limit", 1.05)
         (self.folder / "out" / "design.png").write_bytes(b"old")
