@@ -89,10 +89,6 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 80 else text[:80] + "..."
 
 
-class _Refused(ValueError):
-    """An argument that _demand_plain has named."""
-
-
 def _demand_plain(name: str, value: Any) -> None:
     """Refuses what np.asarray would drop without a word: masks, other meanings of subclasses, Booleans in lists."""
     if isinstance(value, (list, tuple)):
@@ -101,9 +97,9 @@ def _demand_plain(name: str, value: Any) -> None:
     elif isinstance(value, np.ma.MaskedArray):
         hidden = np.ma.count_masked(value)
         if hidden:
-            raise _Refused(f"{name}: is masked, with {hidden} hidden values: fill them in, or leave them out")
+            raise ValueError(f"{name}: is masked, with {hidden} hidden values: fill them in, or leave them out")
     elif isinstance(value, np.ndarray) and type(value) not in (np.ndarray, np.matrix, np.memmap):
-        raise _Refused(f"{name}: must be a plain array, is a {type(value).__name__}: its unit or other meaning would be lost")
+        raise ValueError(f"{name}: must be a plain array, is a {type(value).__name__}: its unit or other meaning would be lost")
     elif isinstance(value, (bool, int, np.ndarray, np.generic)):
         _demand_exact(name, np.asarray(value), value)
 
@@ -111,19 +107,21 @@ def _demand_plain(name: str, value: Any) -> None:
 def _demand_exact(name: str, array: NDArray[Any], value: Any) -> None:
     """Refuses Booleans and integers that doubles do not hold: among floats NumPy would round them."""
     if array.dtype.kind == "b":
-        raise _Refused(f"{name}: must be numbers, is {_shown(value)} of type bool")
-    if array.dtype.kind in "iu" and ((array > 2**53) | (array < -(2**53))).any() or isinstance(value, int) and abs(value) > 2**53:
-        raise _Refused(f"{name}: integers must be within +-2**53, which doubles hold exactly, is {_shown(value)}")
+        raise ValueError(f"{name}: must be numbers, is {_shown(value)} of type bool")
+    integers = array if array.dtype.kind in "iu" else np.array(value, dtype=object) if isinstance(value, int) else np.zeros(0)
+    if ((integers > 2**53) | (integers < -(2**53))).any():
+        raise ValueError(f"{name}: integers must be within +-2**53, which doubles hold exactly, is {_shown(value)}")
 
 
 def _array(name: str, value: Any) -> Floats:
     """An argument as an array of doubles, or a ValueError that names it."""
     try:
         _demand_plain(name, value)
+    except RecursionError:  # a list that contains itself
+        raise ValueError(f"{name}: must be numbers, is {_shown(value)}") from None
+    try:
         array = np.asarray(value)
-    except _Refused:
-        raise
-    except Exception:  # whatever an object's own conversion raises, or a list that is in itself
+    except Exception:  # whatever an object's own conversion raises
         array = None
     if array is None or array.dtype.kind not in "fiucb":
         what = "" if array is None or array.dtype.kind == "U" else f" of type {array.dtype}"
@@ -333,9 +331,9 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
     `failed` say which points failed; their state is the one that came in and all else of them is NaN.
     """
     if not isinstance(muscle, Parameters):
-        raise TypeError(f"muscle: must be Parameters, is {muscle!r}")
+        raise TypeError(f"muscle: must be Parameters, is {_shown(muscle)}")
     if not isinstance(state, State):
-        raise TypeError(f"state: must be a State, is {state!r}")
+        raise TypeError(f"state: must be a State, is {_shown(state)}")
     if not isinstance(measure, str) or measure not in _MEASURES:
         raise ValueError(f"measure = {_shown(measure)}: must be {' or '.join(map(repr, _MEASURES))}")
     tangent, raise_on_failure = _switch("tangent", tangent), _switch("raise_on_failure", raise_on_failure)
@@ -405,7 +403,7 @@ def simulate(muscle: Parameters, time: ArrayLike, stretch: ArrayLike, *, G: floa
     MyogrowthError names the row (`point`) that has no result.
     """
     if not isinstance(muscle, Parameters):
-        raise TypeError(f"muscle: must be Parameters, is {muscle!r}")
+        raise TypeError(f"muscle: must be Parameters, is {_shown(muscle)}")
     time = _array("time", time).copy()  # the history keeps its own
     if time.ndim != 1 or time.size == 0:
         raise ValueError(f"time has shape {time.shape}: must be (n,), n >= 1")

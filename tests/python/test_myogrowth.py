@@ -393,6 +393,44 @@ def test_parameters_stay_checked_and_can_be_copied_and_sent():
     assert step.state.G > 1
 
 
+HOSTILE = [0, 1, -1, 1.1, np.nan, np.inf, -np.inf, 1e308, 1e-320, True, None, "x", b"1", 1j, [], [[]], {}, object(), np.array(1.0),
+           np.ones(1), np.ones(2), 1.1 * EYE, np.zeros((0, 3, 3)), np.full((2, 3, 3), np.nan), np.tile(EYE, (4, 1, 1)),
+           EYE.astype("f2"), np.ma.array(EYE, mask=EYE > 0), np.ma.masked, 10**30, range(3), np.zeros(3, "M8[s]"), np.ones((4, 3)),
+           np.ones(4), "cauchy", "first_piola", [1, 0, 0], np.arange(5), lambda: 1, *LOSSY[4][:1], MUSCLE, State()]
+
+
+def test_hostile_calls():
+    """Whatever comes in: a result whose failed points are NaN, or one line that begins with a name of Python's."""
+    random = np.random.default_rng(4)
+
+    def pick():
+        return HOSTILE[random.integers(len(HOSTILE))]
+
+    def often(good):
+        return good if random.random() < 0.7 else pick()
+
+    names = ("F", "dt", "state", "muscle", "measure", "tangent", "raise_on_failure", "time", "stretch", "G", "n0", "det F", "no fibre",
+             "not finite", "point", *(p.name for p in parameters()))
+    worked = refused = 0
+    for i in range(4000):
+        try:
+            if i % 3 == 0:
+                step = update(often(MUSCLE), often(np.tile(1.1 * EYE, (4, 1, 1))), often(0.1), State(G=often(1.0), n0=often((1, 0, 0))),
+                              measure=often("cauchy"), tangent=often(True), raise_on_failure=bool(random.integers(2)))
+                for values in (step.stress, step.energy, step.lambda_e, step.J, step.Je):
+                    assert np.isfinite(values[~step.failed]).all() and np.isnan(values[step.failed]).all()
+            elif i % 3 == 1:
+                simulate(often(MUSCLE), often(np.linspace(0, 5, 5)), often(1.1), G=often(1.0))
+            else:
+                Parameters(**{p.name: pick() for p in parameters() if random.random() < 0.1})
+            worked += 1
+        except (ValueError, TypeError) as error:
+            text = str(error)
+            assert text.startswith(names) and "\n" not in text and len(text) < 300 and not re.search("PROPS|STATEV", text), text
+            refused += 1
+    assert worked > 500 and refused > 1500, (worked, refused)
+
+
 def test_others_may_run_while_the_law_works():
     """The main thread counts while another is in one long call: it could not if the call kept the GIL."""
     F, state = points((50_000,))
