@@ -24,19 +24,19 @@ using Text = char[400];
 #endif
 
 /// Why the kernel gave no result.
-inline const char* text(Status status) {
+inline const char* text(UpdateStatus status) {
   switch (status) {
-    case Status::ok:
+    case UpdateStatus::ok:
       return "ok";
-    case Status::not_finite:
+    case UpdateStatus::not_finite:
       return "not finite: F, dt or a result is NaN or beyond the range of double";
-    case Status::inverted:
+    case UpdateStatus::inverted:
       return "inverted: det F must be > 0";
-    case Status::no_fibre:
+    case UpdateStatus::no_fibre:
       return "no fibre: n0 must have a length > 0";
-    case Status::bad_state:
+    case UpdateStatus::bad_state:
       return "bad state: G must be >= 0, and G and the fibre finite";
-    case Status::not_converged:
+    case UpdateStatus::not_converged:
       return "not converged: the stretch that frees the stress was not found in 200 iterations";
   }
   return "unknown status";

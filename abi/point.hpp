@@ -24,10 +24,12 @@ inline double advised_factor(const Properties& p, double G_n, double lambda_n, d
   const double error = first_order
                            ? time_error_of_backward_euler(m.growth, m.removal, G_n, lambda_n, lambda, dtime)
                            : time_error_of_midpoint_flow(m.growth, m.removal, G_n, lambda_n, lambda, dtime);
-  // Both errors are of second order in the step.
+  // Both errors are of second order in the step. Where the error is so small that `most` is advised, it may
+  // be 0.
+  if (!(error > p.tolerance * (safety * safety / (most * most)))) return most;
   const double factor = safety * std::sqrt(p.tolerance / error);
   if (error <= p.tolerance && factor < 1) return 1;
-  return factor < least ? least : factor < most ? factor : most;
+  return factor < least ? least : factor;
 }
 
 /// STATEV(1:8) at the end of a step, as far as there is room.

@@ -127,7 +127,7 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
   if (ntens == 3) {
     const double in_plane[4] = {F[0], F[1], F[3], F[4]};
     plane_stress(properties.material, in_plane, properties.n0, G_n, lambda_n, dtime, thickness, u, c);
-    if (u.status == Status::ok) {
+    if (u.status == UpdateStatus::ok) {
       const double plane[3] = {u.tau[0], u.tau[1], u.tau[3]};
       finite = pack<3>(plane, c, 3, 1 / u.J, stress, ddsdde);
     }
@@ -141,7 +141,8 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
     finite = (ntens == 6 ? pack<6>(u.tau, c, 6, 1 / volume.J, stress, ddsdde)
                          : pack<4>(u.tau, c, 6, 1 / volume.J, stress, ddsdde)) &&
              are_finite(extra, 2);
-  } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) == Status::ok) {
+  } else if (update_point(properties.material, F, properties.n0, G_n, lambda_n, dtime, u) ==
+             UpdateStatus::ok) {
     const double per_J = 1 / u.J;
     if (ntens == 6) {
       spatial_modulus(u, ddsdde, per_J);
@@ -153,8 +154,8 @@ void update_state(double* stress, double* statev, double* ddsdde, double* sse, d
       finite = pack<4>(u.tau, c, 6, 1, stress, ddsdde);
     }
   }
-  if (u.status != Status::ok || !finite) {
-    fail(abi::text(u.status != Status::ok ? u.status : Status::not_finite));
+  if (u.status != UpdateStatus::ok || !finite) {
+    fail(abi::text(u.status != UpdateStatus::ok ? u.status : UpdateStatus::not_finite));
     return;
   }
   if (properties.tolerance > 0) {

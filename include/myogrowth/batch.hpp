@@ -156,7 +156,7 @@ struct Stage<Streamed<W, components, block>, width, registers> {
     using Place = typename Aosoa<W, components, block>::Place;
     Place from(std::ptrdiff_t i) const { return blocks.from(i - first); }
   };
-  alignas(line) W buffer[width * registers * components];
+  alignas(line) W buffer[entries(width * registers * components)];
   W* to = nullptr;
   std::ptrdiff_t count = 0;
   static constexpr int per_line = line / static_cast<int>(sizeof(W));
@@ -175,8 +175,8 @@ struct Stage<Streamed<W, components, block>, width, registers> {
 
 /// Apart, so that it does not weigh on the packs' code.
 template <Tangent tangent, Measure measure, class V, class In, class Out>
-MYOGROWTH_APART Status update_apart(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
-                                    const Out& out) {
+MYOGROWTH_APART UpdateStatus update_apart(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
+                                          const Out& out) {
   return update_one<tangent, measure>(material, i, in, out);
 }
 
@@ -202,7 +202,7 @@ void growth_number(const Common<V>& common, const Pack<V, N>& room_n, const Pack
   if (any(steep)) {
     constexpr V epsilon = last_place<V>();
     left = left | !(A < P((std::numeric_limits<V>::max)() * epsilon * epsilon));
-    E = select(steep, one / A, one);
+    E = one / select(steep, A, one);
     A = select(steep, one, A);
   }
 }
@@ -320,7 +320,7 @@ void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N
 /// dG/dlambda of `begun`. Returns the lanes that are left to the scalar routine. Apart, as it takes ten times
 /// what the stages around it take.
 template <int N, class V, int width>
-MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& grows,
+MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& asked,
                                      Begun<V, width>* begun) {
   using P = Pack<V, N>;
   const GrowthRate<V>& rate = common.material.growth;
@@ -331,10 +331,12 @@ MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& 
     G_n.v[k] = begun[k].G_n.v[0];
     dt.v[k] = begun[k].dt.v[0];
   }
+  const P reached = minimum(P(lambda * P(common.per_crit)), limit);
+  const auto grows = asked & (reached > G_n);  // but for rounding, all that are asked for
   const P r = select(grows, limit - G_n, one), per_r = one / r;
   const P a = select(grows, dt, zero) * P(common.per_time) * common.to_gamma(P(r * P(common.per_width)));
   // (Of a lane that does not grow: a way of 1, so that nothing is divided by 0.)
-  const P end = select(grows, minimum(P(lambda * P(common.per_crit)), limit), G_n + one), u_n = end - G_n;
+  const P end = select(grows, reached, G_n + one), u_n = end - G_n;
   const P room_end = select(grows, limit - end, zero);
   const P q_end = select(grows & (end >= limit), lambda - crit * limit, zero);
   struct At {
@@ -365,7 +367,7 @@ MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& 
   const P panel(flow_panel(rate.gamma));
   P part = ahead / (one + half * growth * ahead), from = zero, to_go = a, before = zero;
   auto beyond = grows & !(part < panel * P(V(0.9)));
-  part = select(beyond, panel, part);
+  part = select(beyond, panel, maximum(part, zero));
   constexpr int most_panels = 16;
   for (int i = 0; i < most_panels && any(beyond); ++i) {
     P time, sensitivity;
@@ -388,7 +390,8 @@ MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& 
     const At here = at(from + part);
     const P speed = here.kappa * here.q / (here.g * here.u), step = (to_go - time) * speed;
     const P next = part + step;
-    part = select(active, next, part);
+    part = select(active, maximum(minimum(next, panel + panel), -panel),
+                  part);  // (what leaves the panel is left)
     sum = select(active, sensitivity + step / (speed * here.q), sum);
     active = active & !(curvature * step * step < P(last_place<V>() / 4) * (from + next));
   }
@@ -401,7 +404,7 @@ MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& 
   }
   // (From far below the end, u_n - u would cost G digits.)
   const auto within = (zero <= part) & (part <= panel) & (u_n < P(V(8)) * G_n);
-  return grows & (beyond | active | !within);
+  return asked & (!grows | beyond | active | !within);
 }
 
 /// The first stage for the points from point i on: their deformation.
@@ -454,8 +457,10 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
   const P zero(V(0)), one(V(1));
   const bool flows = material.integration == TimeIntegration::midpoint_flow;
   if (flows) {
-    for (int k = 0; k < P::parts; ++k) lambda.v[k] = (lambda.v[k] + begun[k].lambda_n.v[0]) * V(0.5);
-    bad = bad | !is_finite(lambda);
+    P lambda_n;
+    for (int k = 0; k < P::parts; ++k) lambda_n.v[k] = begun[k].lambda_n.v[0];
+    bad = bad | !opaque(is_finite(lambda_n) & (lambda_n > P(V(0))));
+    lambda = (lambda + lambda_n) * P(V(0.5));
   }
   const auto grows =
       (dt > zero) & (lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max)) & !bad;
@@ -538,7 +543,7 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
     P F[9];
     for (int c = 0; c < 9; ++c) F[c] = F_in.load(c);
     constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
-    P host[n_stress];
+    P host[entries(n_stress)];
     if constexpr (measure == Measure::first_piola) {
       first_piola_from_kirchhoff(F, u.tau, host);
     } else {
@@ -547,7 +552,7 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
     for (int c = 0; c < n_stress; ++c) stress_out.store(c, host[c]);
     if constexpr (tangent == Tangent::full) {
       constexpr int n_moduli = measure == Measure::first_piola ? 81 : 36;
-      P c[36], moduli[n_moduli];
+      P c[36], moduli[entries(n_moduli)];
       spatial_modulus(u, c, factor);
       if constexpr (measure == Measure::first_piola) {
         dP_dF_from_jaumann(F, u.tau, c, moduli);
@@ -598,7 +603,7 @@ MYOGROWTH_FLAT void update_registers(const Common<V>& common, std::ptrdiff_t i, 
 /// What a register of fewer points than lanes reads and writes: arrays of its own, the last point repeated.
 template <class V, int N, int components>
 struct Padded {
-  V data[N * components];
+  V data[entries(N * components)];
   Soa<V> view() { return {data, N}; }
   template <class View>
   void fill(const View& view, std::ptrdiff_t i, int points) {
@@ -659,7 +664,7 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
   const Common<V> common(material);
   std::ptrdiff_t failed = 0;
   for (std::ptrdiff_t i = first, next; i < last; i = next) {
-    unsigned bad[most];
+    unsigned bad[entries(most)];
     const std::ptrdiff_t whole = i % width == 0 ? (last - i) / width : 0;  // a register lies within a block
     const int registers = static_cast<int>(whole < most ? whole : most);
     if (registers > 0) {
@@ -673,7 +678,7 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
     for (std::ptrdiff_t start = i; start < next; start += width) {
       unsigned lanes = bad[(start - i) / width];
       for (std::ptrdiff_t point = start; lanes != 0; ++point, lanes >>= 1) {
-        if (lanes & 1) failed += update_apart<tangent, measure>(material, point, in, out) != Status::ok;
+        if (lanes & 1) failed += update_apart<tangent, measure>(material, point, in, out) != UpdateStatus::ok;
       }
     }
   }

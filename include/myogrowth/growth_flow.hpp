@@ -94,7 +94,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flo
   const V panel = flow_panel(eq.gamma);
   int iterations = 0;
   const FlowResult<V> ended{eq.end, flow.q_end > 0 ? V(0) : 1 / eq.crit, V(0), iterations};
-  if (!is_finite(a)) return ended;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
+  if (!is_finite(a) || !(flow.u_n > 0))
+    return ended;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
   const auto arrive = [&](V w, V sensitivity) -> FlowResult<V> {
     const typename Flow<V, sign>::At at = flow.at(w);
     const V speed = at.kappa * at.q / at.g;

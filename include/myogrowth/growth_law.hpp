@@ -31,14 +31,14 @@ namespace myogrowth {
 
 /// Result of a step of a growth law.
 struct LawUpdate {
-  Status status;       ///< ok; or inverted, not_finite or not_converged: then g is g_n and all else NaN
-  double g;            ///< growth variable at the end of the step
-  Mat3<double> dg_dF;  ///< its derivative, that of this discrete step
-  Mat3<double> P;      ///< first Piola-Kirchhoff stress [stress]
-  Mat9<double> dP_dF;  ///< dP_iJ/dF_kL at (i + 3J, k + 3L) [stress]
+  UpdateStatus status;  ///< ok; or inverted, not_finite or not_converged: then g is g_n and all else NaN
+  double g;             ///< growth variable at the end of the step
+  Mat3<double> dg_dF;   ///< its derivative, that of this discrete step
+  Mat3<double> P;       ///< first Piola-Kirchhoff stress [stress]
+  Mat9<double> dP_dF;   ///< dP_iJ/dF_kL at (i + 3J, k + 3L) [stress]
 
   /// Whether there is a result.
-  bool ok() const { return status == Status::ok; }
+  bool ok() const { return status == UpdateStatus::ok; }
 };
 
 namespace detail {
@@ -75,15 +75,15 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
   constexpr double h = 1e-30, nan = std::numeric_limits<double>::quiet_NaN();
   const Mat3<ComplexNumber> F_c = F.cast<ComplexNumber>();
   const Vec3<ComplexNumber> n0_c = n0.cast<ComplexNumber>();
-  LawUpdate u{Status::ok, g_n, Mat3<double>::Zero(), Mat3<double>::Constant(nan),
+  LawUpdate u{UpdateStatus::ok, g_n, Mat3<double>::Zero(), Mat3<double>::Constant(nan),
               Mat9<double>::Constant(nan)};
-  const auto fail = [&](Status status) {
+  const auto fail = [&](UpdateStatus status) {
     return LawUpdate{status, g_n, Mat3<double>::Constant(nan), Mat3<double>::Constant(nan),
                      Mat9<double>::Constant(nan)};
   };
   const double J = determinant(F.data());
-  if (!is_finite(J) || !is_finite(g_n) || !is_finite(dt)) return fail(Status::not_finite);
-  if (!(J > 0)) return fail(Status::inverted);
+  if (!is_finite(J) || !is_finite(g_n) || !is_finite(dt)) return fail(UpdateStatus::not_finite);
+  if (!(J > 0)) return fail(UpdateStatus::inverted);
 
   const auto residual = [&](double g) {
     return detail::law_residual(law, F_c, n0_c, ComplexNumber(g, h), g_n, dt);
@@ -98,7 +98,7 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
         return std::abs(x) <= 4 * last_place<double>() * g_;
       };
       for (int i = 0; !is_rounding(step, g) && !is_rounding(high - low, g); ++i) {
-        if (i == 200) return fail(Status::not_converged);
+        if (i == 200) return fail(UpdateStatus::not_converged);
         const ComplexNumber R = residual(g);
         (R.real() < 0 ? low : high) = g;
         double next = g - R.real() * h / R.imag();
@@ -127,7 +127,7 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
       u.P = P.real();
     }
   }
-  return are_finite(u.dP_dF.data(), 81) && are_finite(u.P.data(), 9) ? u : fail(Status::not_finite);
+  return are_finite(u.dP_dF.data(), 81) && are_finite(u.P.data(), 9) ? u : fail(UpdateStatus::not_finite);
 }
 
 }  // namespace myogrowth

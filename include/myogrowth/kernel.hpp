@@ -49,34 +49,38 @@ struct FibreGrowth {
 };
 
 /// What became of an update. Everything but ok leaves the state as it was and the stresses NaN.
-enum class Status {
+enum class UpdateStatus {
   ok = 0,
   not_finite,        ///< NaN or infinity in F, n0, G or dt, or a result beyond the range of the scalar
   inverted,          ///< det F <= 0
   no_fibre,          ///< n0 has no direction: its length is zero
-  bad_state,         ///< G <= 0
+  bad_state,         ///< G <= 0; or lambda_n <= 0 in the midpoint flow
   not_converged = 7  ///< a stretch or growth variable was not found in 200 iterations (5, 6: myogrowth.h's)
 };
+/// Its short name, but where <X11/Xlib.h> has a macro of that name.
+#ifndef Status
+using Status = UpdateStatus;
+#endif
 
 /// Result of update_point.
 template <class T>
 struct PointUpdate {
-  Status status;   ///< whether there is a result
-  int iterations;  ///< Newton steps of the growth equation
-  T G;             ///< sarcomere number at the end of the step [-]
-  T dG_dlambda;    ///< consistent derivative of G with respect to lambda [-]
-  T lambda;        ///< total fibre stretch [-]
-  T lambda_e;      ///< elastic fibre stretch, lambda/G [-]
-  T J;             ///< det F [-]
-  T Je;            ///< det F_e = J/G [-]
-  T psi;           ///< energy per unit reference volume [stress]
-  T c1;            ///< first Lamé constant used, G times the material's for grown_volume [stress]
-  T c2;            ///< second Lamé constant used [stress]
-  T n0[3];         ///< unit fibre direction that was used [-]
-  T f[3];          ///< deformed fibre F n0 [-]
-  T be[6];         ///< elastic left Cauchy-Green tensor [-]
-  T tau[6];        ///< Kirchhoff stress [stress]
-  T dtau_dG[6];    ///< its derivative with respect to G at fixed F [stress]
+  UpdateStatus status;  ///< whether there is a result
+  int iterations;       ///< Newton steps of the growth equation
+  T G;                  ///< sarcomere number at the end of the step [-]
+  T dG_dlambda;         ///< consistent derivative of G with respect to lambda [-]
+  T lambda;             ///< total fibre stretch [-]
+  T lambda_e;           ///< elastic fibre stretch, lambda/G [-]
+  T J;                  ///< det F [-]
+  T Je;                 ///< det F_e = J/G [-]
+  T psi;                ///< energy per unit reference volume [stress]
+  T c1;                 ///< first Lamé constant used, G times the material's for grown_volume [stress]
+  T c2;                 ///< second Lamé constant used [stress]
+  T n0[3];              ///< unit fibre direction that was used [-]
+  T f[3];               ///< deformed fibre F n0 [-]
+  T be[6];              ///< elastic left Cauchy-Green tensor [-]
+  T tau[6];             ///< Kirchhoff stress [stress]
+  T dtau_dG[6];         ///< its derivative with respect to G at fixed F [stress]
 };
 
 namespace detail {
@@ -125,7 +129,7 @@ MYOGROWTH_FUNCTION bool normalise(const T n0[3], T unit[3]) {
 namespace detail {
 
 template <class T>
-MYOGROWTH_FUNCTION MYOGROWTH_APART Status fail(Status status, const T& G_n, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART UpdateStatus fail(UpdateStatus status, const T& G_n, PointUpdate<T>& out) {
   const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
   out.status = status;
   out.iterations = 0;
@@ -169,9 +173,9 @@ struct Deformation {
 template <class T>
 MYOGROWTH_FUNCTION void deform(const T F[9], const T n[3], Deformation<T>& d) {
   const Real<T> one(1);
-  const T H11 = F[0] - one, H21 = F[1], H31 = F[2];
-  const T H12 = F[3], H22 = F[4] - one, H32 = F[5];
-  const T H13 = F[6], H23 = F[7], H33 = F[8] - one;
+  const T H11 = rounded(T(F[0] - one)), H21 = F[1], H31 = F[2];
+  const T H12 = F[3], H22 = rounded(T(F[4] - one)), H32 = F[5];
+  const T H13 = F[6], H23 = F[7], H33 = rounded(T(F[8] - one));
   const T minor11 = H22 * H33 - H23 * H32;
   d.J_minus_1 = (H11 + H22 + H33) + (H11 * H22 - H12 * H21 + H11 * H33 - H13 * H31 + minor11) +
                 (H11 * minor11 - H12 * (H21 * H33 - H23 * H31) + H13 * (H21 * H32 - H22 * H31));
@@ -198,10 +202,10 @@ MYOGROWTH_FUNCTION T least_J_minus_1(const T& b11_minus_1, const T& b22_minus_1,
 /// det F where deform() does not give it, and whether there is a result with it: F is so small, so large or
 /// so close to singular that its digits count, not those of F - I.
 template <class T>
-MYOGROWTH_FUNCTION MYOGROWTH_APART Status examine(const T F[9], T& J) {
+MYOGROWTH_FUNCTION MYOGROWTH_APART UpdateStatus examine(const T F[9], T& J) {
   J = determinant(F);
-  if (!is_finite(J)) return Status::not_finite;
-  return value(J) > 0 ? Status::ok : Status::inverted;
+  if (!is_finite(J)) return UpdateStatus::not_finite;
+  return value(J) > 0 ? UpdateStatus::ok : UpdateStatus::inverted;
 }
 
 /// ln(x) for x that may be tiny, by what is asked of a scalar.
@@ -217,7 +221,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART T logarithm(const T& x) {
 /// ln(J_e); per_G = 1/G.
 template <class T>
 MYOGROWTH_FUNCTION T logarithm_of_Je(const T& J_minus_1, const T& G, const T& per_G) {
-  const T J_minus_G = J_minus_1 - (G - Real<T>(1));
+  const T J_minus_G = rounded(J_minus_1) - rounded(T(G - Real<T>(1)));
   return ln_1_plus(T(J_minus_G * per_G), J_minus_G, G);
 }
 
@@ -228,7 +232,7 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
   using V = Real<T>;
   const V one(1);
   const bool grown = material.energy == EnergyPer::grown_volume;
-  const T G_minus_1 = G - one;
+  const T G_minus_1 = rounded(T(G - one));
   out.G = G;
   out.lambda_e = d.lambda * per_G;
   out.Je = out.J * per_G;
@@ -263,16 +267,20 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
 /// lambda_n: total fibre stretch at the beginning of the step, 1 if nothing has been deformed yet; only the
 /// midpoint flow uses it (with parameters that are plain numbers).
 template <class T, class P>
-MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& material, const T F[9],
-                                                      const T n0[3], const T& G_n, const T& lambda_n,
-                                                      const P& dt, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION MYOGROWTH_FLAT UpdateStatus update_point(const FibreGrowth<P>& material, const T F[9],
+                                                            const T n0[3], const T& G_n, const T& lambda_n,
+                                                            const P& dt, PointUpdate<T>& out) {
   using V = Real<T>;
-  if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(Status::not_finite, G_n, out);
-  if (!(value(G_n) > 0)) return detail::fail(Status::bad_state, G_n, out);
+  if (!is_finite(G_n) || !is_finite(dt)) return detail::fail(UpdateStatus::not_finite, G_n, out);
+  if (!(value(G_n) > 0)) return detail::fail(UpdateStatus::bad_state, G_n, out);
+  if (material.integration == TimeIntegration::midpoint_flow &&
+      !(is_finite(lambda_n) && value(lambda_n) > 0)) {
+    return detail::fail(is_finite(lambda_n) ? UpdateStatus::bad_state : UpdateStatus::not_finite, G_n, out);
+  }
   const T* n = out.n0;
   if (!normalise(n0, out.n0)) {
     const bool finite = is_finite(n0[0]) && is_finite(n0[1]) && is_finite(n0[2]);
-    return detail::fail(finite ? Status::no_fibre : Status::not_finite, G_n, out);
+    return detail::fail(finite ? UpdateStatus::no_fibre : UpdateStatus::not_finite, G_n, out);
   }
 
   detail::Deformation<T> d;
@@ -282,8 +290,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& mate
       value(d.J_minus_1) >
       detail::least_J_minus_1(value(d.b_minus_I[0]), value(d.b_minus_I[1]), value(d.b_minus_I[2]));
   if (!is_accurate) {
-    const Status status = detail::examine(F, out.J);
-    if (status != Status::ok) return detail::fail(status, G_n, out);
+    const UpdateStatus status = detail::examine(F, out.J);
+    if (status != UpdateStatus::ok) return detail::fail(status, G_n, out);
   }
   out.lambda = d.lambda;
   for (int i = 0; i < 3; ++i) out.f[i] = d.f[i];
@@ -301,15 +309,15 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT Status update_point(const FibreGrowth<P>& mate
   const V sum = (sums[0] + sums[1]) + (sums[2] + (value(out.psi) + value(out.lambda_e)));
   if (!is_finite(sum) && !(are_finite(out.tau, 6) && are_finite(out.dtau_dG, 6) && is_finite(out.psi) &&
                            is_finite(out.lambda_e)))
-    return detail::fail(Status::not_finite, G_n, out);
-  out.status = Status::ok;
+    return detail::fail(UpdateStatus::not_finite, G_n, out);
+  out.status = UpdateStatus::ok;
   return out.status;
 }
 
 /// The same from the undeformed fibre, or with backward Euler, which does not ask where the step comes from.
 template <class T, class P>
-MYOGROWTH_FUNCTION Status update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
-                                       const T& G_n, const P& dt, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION UpdateStatus update_point(const FibreGrowth<P>& material, const T F[9], const T n0[3],
+                                             const T& G_n, const P& dt, PointUpdate<T>& out) {
   return update_point(material, F, n0, G_n, T(Real<T>(1)), dt, out);
 }
 

@@ -32,9 +32,9 @@ struct Update {
   PointUpdate<T> point;  ///< the kernel's numbers: lambda, lambda_e, J, Je, psi, dG_dlambda, ...
 
   /// Whether there is a result, and why not.
-  Status status() const { return point.status; }
+  UpdateStatus status() const { return point.status; }
   /// Whether there is one.
-  bool ok() const { return point.status == Status::ok; }
+  bool ok() const { return point.status == UpdateStatus::ok; }
 
   /// Kirchhoff stress tau = J sigma [stress].
   Mat3<T> kirchhoff() const { return from_six(six(point.tau)); }

@@ -27,17 +27,17 @@ struct MixedVolume {
 /// update_point for a mixed element with the volume ratio J_hat > 0; arguments and status as there.
 /// out: the law at F^ (its J is J^), but for tau = J sigma. c[36]: J DDSDDE.
 template <class T, class P>
-MYOGROWTH_FUNCTION Status update_mixed(const FibreGrowth<P>& material, const T F[9], const T n0[3],
-                                       const T& G_n, const T& lambda_n, const P& dt, const T& J_hat,
-                                       PointUpdate<T>& out, T c[36], MixedVolume<T>& volume) {
+MYOGROWTH_FUNCTION UpdateStatus update_mixed(const FibreGrowth<P>& material, const T F[9], const T n0[3],
+                                             const T& G_n, const T& lambda_n, const P& dt, const T& J_hat,
+                                             PointUpdate<T>& out, T c[36], MixedVolume<T>& volume) {
   using V = Real<T>;
   const T J = determinant(F);
-  if (!is_finite(J) || !is_finite(J_hat)) return detail::fail(Status::not_finite, G_n, out);
-  if (!(value(J) > 0 && value(J_hat) > 0)) return detail::fail(Status::inverted, G_n, out);
+  if (!is_finite(J) || !is_finite(J_hat)) return detail::fail(UpdateStatus::not_finite, G_n, out);
+  if (!(value(J) > 0 && value(J_hat) > 0)) return detail::fail(UpdateStatus::inverted, G_n, out);
   const T scale = pow(T(J_hat / J), V(1) / V(3));
   T F_hat[9];
   for (int i = 0; i < 9; ++i) F_hat[i] = scale * F[i];
-  if (update_point(material, F_hat, n0, G_n, lambda_n, dt, out) != Status::ok) return out.status;
+  if (update_point(material, F_hat, n0, G_n, lambda_n, dt, out) != UpdateStatus::ok) return out.status;
   spatial_modulus(out, c);
 
   const T ratio_minus_1 = (J - J_hat) / J_hat;  // the mean stress counts J/J^ times

@@ -7,7 +7,7 @@
 ///   using namespace myogrowth::batch;
 ///   Input in{soa(F, n), shared(n0), soa(G, n), shared(&dt)};
 ///   Output out{soa(stress, n), soa(G, n), soa(ddsdde, n)};
-///   Status status = update_one<Tangent::full>(material, i, in, out);
+///   UpdateStatus status = update_one<Tangent::full>(material, i, in, out);
 ///
 /// batch.hpp is the same by many points at once.
 #ifndef MYOGROWTH_POINTS_HPP
@@ -233,8 +233,8 @@ struct Entries {
 /// One step of point i of the views, by the scalar routines. Where it has no result its G is as it was and
 /// the rest is NaN.
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, class V, class In, class Out>
-MYOGROWTH_FUNCTION Status update_one(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
-                                     const Out& out) {
+MYOGROWTH_FUNCTION UpdateStatus update_one(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
+                                           const Out& out) {
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   using batch::detail::Entries;
   using batch::detail::load_one;
@@ -250,7 +250,7 @@ MYOGROWTH_FUNCTION Status update_one(const FibreGrowth<V>& material, std::ptrdif
   const V scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
   for (int k = 0; k < 5; ++k) store_one(out.scalars, k, i, scalars[k]);
   constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
-  V stress[n_stress];
+  V stress[entries(n_stress)];
   if constexpr (measure == Measure::cauchy) cauchy_from_kirchhoff(u.J, u.tau, stress);
   if constexpr (measure == Measure::first_piola) first_piola_from_kirchhoff(F, u.tau, stress);
   if constexpr (measure == Measure::second_piola) second_piola_from_kirchhoff(F, u.tau, stress);
@@ -263,7 +263,7 @@ MYOGROWTH_FUNCTION Status update_one(const FibreGrowth<V>& material, std::ptrdif
                           u.f[2],
                           u.dG_dlambda / u.lambda,
                           u.tau[0] - u.c2 * u.be[0],
-                          u.status == Status::ok ? u.G : u.J,
+                          u.status == UpdateStatus::ok ? u.G : u.J,
                           u.J};
     for (int k = 0; k < 7; ++k) store_one(out.tangent, k, i, compact[k]);
   }
@@ -273,7 +273,7 @@ MYOGROWTH_FUNCTION Status update_one(const FibreGrowth<V>& material, std::ptrdif
       spatial_modulus(u, to, V(1) / u.J);
     } else {
       constexpr int n = measure == Measure::first_piola ? 81 : 36;
-      V c[36], moduli[n];
+      V c[36], moduli[entries(n)];
       spatial_modulus(u, c);
       if constexpr (measure == Measure::first_piola) dP_dF_from_jaumann(F, u.tau, c, moduli);
       if constexpr (measure == Measure::second_piola) dS_dE_from_jaumann(F, u.tau, c, moduli);

@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -129,6 +130,9 @@ MYOGROWTH_FUNCTION T quotient(const T& a, const T& b, const T&) {
   return a / b;
 }
 
+/// The number of an array's entries, as arrays want it.
+constexpr std::size_t entries(std::ptrdiff_t n) { return static_cast<std::size_t>(n); }
+
 /// The step from 1 to the next number, as far as a number has digits: what tolerances are made of. (`epsilon`
 /// of a long double made of two doubles, as on ppc64le, is the smallest number of all.)
 /// @{
@@ -139,29 +143,59 @@ constexpr V last_place() {
 template <>
 constexpr long double last_place<long double>() {
   using Limits = std::numeric_limits<long double>;
-  return Limits::digits == 106 ? static_cast<long double>(last_place<double>()) * last_place<double>() / 2
-                               : Limits::epsilon();
+  constexpr long double of_double = static_cast<long double>(last_place<double>());
+  return Limits::digits == 106 ? of_double * of_double / 2 : Limits::epsilon();
+}
+/// @}
+
+/// x as it has been rounded: with -ffast-math a compiler would put (x - 1) + 1 as x. A scalar of one's own
+/// does not need it.
+/// @{
+template <class T>
+MYOGROWTH_FUNCTION T rounded(T x) {
+  return x;
+}
+MYOGROWTH_FUNCTION inline double rounded(double x) {
+  MYOGROWTH_OPAQUE(x);
+  return x;
+}
+MYOGROWTH_FUNCTION inline float rounded(float x) {
+  MYOGROWTH_OPAQUE(x);
+  return x;
 }
 /// @}
 
 namespace detail {
 
-/// Whether x is: the exponent of NaN and infinity has all bits set.
-template <class Bits, class V>
-MYOGROWTH_FUNCTION bool is_finite_by_bits(V x) {
-  static_assert(sizeof(Bits) == sizeof(V), "the bits of V");
-  constexpr Bits exponent = (~Bits(0) >> 1) & (~Bits(0) << (std::numeric_limits<V>::digits - 1));
+template <class V>
+struct BitsOf;
+template <>
+struct BitsOf<float> {
+  using Type = std::uint32_t;
+};
+template <>
+struct BitsOf<double> {
+  using Type = std::uint64_t;
+};
+template <class V, class Bits = typename BitsOf<V>::Type>
+MYOGROWTH_FUNCTION Bits bits_of(V x) {
   Bits bits;
   std::memcpy(&bits, &x, sizeof bits);
   MYOGROWTH_OPAQUE_INTEGER(bits);
-  return (bits & exponent) != exponent;
+  return bits;
+}
+/// The exponent of NaN and infinity has all bits set.
+template <class V, class Bits = typename BitsOf<V>::Type>
+MYOGROWTH_FUNCTION bool is_finite_by_bits(V x) {
+  constexpr Bits exponent = (~Bits(0) >> 1) & (~Bits(0) << (std::numeric_limits<V>::digits - 1));
+  return (bits_of(x) & exponent) != exponent;
 }
 template <class V>
 MYOGROWTH_FUNCTION bool is_finite_real(const V& x) {  // a user's number type
   return x - x == 0;
 }
-MYOGROWTH_FUNCTION inline bool is_finite_real(double x) { return is_finite_by_bits<std::uint64_t>(x); }
-MYOGROWTH_FUNCTION inline bool is_finite_real(float x) { return is_finite_by_bits<std::uint32_t>(x); }
+MYOGROWTH_FUNCTION inline bool is_finite_real(double x) { return is_finite_by_bits(x); }
+MYOGROWTH_FUNCTION inline bool is_finite_real(float x) { return is_finite_by_bits(x); }
 inline bool is_finite_real(long double x) {  // whatever its format, this is within the range of double
   return is_finite_real(static_cast<double>(x * (std::numeric_limits<long double>::min)()));
 }
@@ -187,11 +221,13 @@ MYOGROWTH_FUNCTION bool are_finite(const T* x, int n) {
   return true;
 }
 
-/// Whether a term with this factor can be left out.
+/// Whether a term with this factor can be left out; not if it is NaN.
 template <class T>
 MYOGROWTH_FUNCTION bool is_zero(const T& x) {
   return value(x) == 0;
 }
+MYOGROWTH_FUNCTION inline bool is_zero(double x) { return detail::bits_of(x) << 1 == 0; }
+MYOGROWTH_FUNCTION inline bool is_zero(float x) { return detail::bits_of(x) << 1 == 0; }
 
 /// An exponent, looked at once: 0, 1/2, 1, ... 17/2 need multiplications and at most one square root.
 /// P: a real number, or a scalar that carries derivatives with respect to the exponent.

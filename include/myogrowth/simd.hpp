@@ -32,6 +32,12 @@
 #define MYOGROWTH_OPAQUE_MASK(x) MYOGROWTH_OPAQUE(x)
 #endif
 
+// Of registers, g++ and clang have no other cast.
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#endif
+
 namespace myogrowth {
 namespace simd {
 
@@ -103,7 +109,7 @@ struct Mask {
   static constexpr int width = N < native_lanes<V> ? N : native_lanes<V>;  ///< lanes of a register
   static constexpr int parts = N / width;                                  ///< registers
   using Type = typename MaskRegister<V, width>::Type;                      ///< a register's
-  Type v[parts];                                                           ///< of the registers
+  Type v[entries(parts)];                                                  ///< of the registers
 };
 
 // What a target with mask registers has and the vector extensions have not: comparisons and the choice.
@@ -172,7 +178,7 @@ struct Pack {
   static constexpr int parts = N / width;                                  ///< registers
   using Lanes = typename Register<V, width>::Lanes;                        ///< a register
   using InMemory = typename Register<V, width>::InMemory;                  ///< the same, wherever it lies
-  Lanes v[parts];                                                          ///< the registers
+  Lanes v[entries(parts)];                                                 ///< the registers
 
   Pack() = default;
   /// The same in every lane.
@@ -330,11 +336,16 @@ Mask<V, N> opaque(Mask<V, N> mask) {
   for (auto& part : mask.v) MYOGROWTH_OPAQUE_MASK(part);
   return mask;
 }
+/// As for plain numbers (scalar.hpp).
+template <class V, int N>
+Pack<V, N> rounded(Pack<V, N> a) {
+  for (auto& part : a.v) MYOGROWTH_OPAQUE(part);
+  return a;
+}
 /// Where a number is ordinary, not NaN or infinite.
 template <class V, int N>
-Mask<V, N> is_finite(Pack<V, N> a) {
-  for (auto& part : a.v) MYOGROWTH_OPAQUE(part);
-  return opaque(abs(a) <= Pack<V, N>((std::numeric_limits<V>::max)()));
+Mask<V, N> is_finite(const Pack<V, N>& a) {
+  return opaque(abs(rounded(a)) <= Pack<V, N>((std::numeric_limits<V>::max)()));
 }
 
 // The few operations that a target has and the vector extensions have not, for one register.
@@ -687,8 +698,7 @@ template <class V, int N>
 Pack<V, N> log1p(const Pack<V, N>& x) {
   using P = Pack<V, N>;
   const P one(V(1));
-  P u = one + x;
-  for (auto& part : u.v) MYOGROWTH_OPAQUE(part);
+  const P u = rounded(P(one + x));
   // What rounding took from the larger of the two.
   const P error = select(x < one, x - (u - one), one - (u - x));
   P y;
@@ -748,5 +758,9 @@ V value(const Pack<V, N>&);
 
 }  // namespace simd
 }  // namespace myogrowth
+
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
 
 #endif

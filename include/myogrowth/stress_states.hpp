@@ -18,7 +18,7 @@ namespace detail {
 /// the bracket where that does not do better: the stress has a kink where growth sets in, and is almost flat
 /// while growth takes up all of the stretch.
 template <class T, class Evaluate>
-MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
+MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate) {
   using V = Real<T>;
   // Quadratic convergence: after a step of this size rounding is left, and derivatives lag one step behind.
   const V negligible = sqrt(last_place<V>());
@@ -26,8 +26,8 @@ MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
   V low(0), high(0), last_size(1);  // high = 0: not known yet
   for (int iteration = 0; iteration < 200; ++iteration) {
     T stress, slope;
-    const Status status = evaluate(x, stress, slope);
-    if (status != Status::ok || steps_left == 0) return status;
+    const UpdateStatus status = evaluate(x, stress, slope);
+    if (status != UpdateStatus::ok || steps_left == 0) return status;
     (value(stress) > 0 ? high : low) = value(x);
     const T step = -stress / slope;
     const V size = value(step) < 0 ? -value(step) : value(step);
@@ -48,7 +48,7 @@ MYOGROWTH_FUNCTION Status free_stretch(T& x, const Evaluate& evaluate) {
       x = T(middle);
     }
   }
-  return Status::not_converged;
+  return UpdateStatus::not_converged;
 }
 
 /// Entry row, column of the spatial modulus.
@@ -67,22 +67,22 @@ MYOGROWTH_FUNCTION T modulus_entry(const T c[36], int row, int column) {
 /// that F. c[9]: condensed modulus of the Jaumann rate of tau, rows and columns 11 22 12, column-major,
 /// engineering shear.
 template <class T, class P>
-MYOGROWTH_FUNCTION Status plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3],
-                                       const T& G_n, const T& lambda_n, const P& dt, T& thickness,
-                                       PointUpdate<T>& u, T c[9]) {
+MYOGROWTH_FUNCTION UpdateStatus plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3],
+                                             const T& G_n, const T& lambda_n, const P& dt, T& thickness,
+                                             PointUpdate<T>& u, T c[9]) {
   using V = Real<T>;
   const T zero(0);
   T full[36];
   T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
-  const Status status = detail::free_stretch(x, [&](const T& F33, T& stress, T& slope) {
+  const UpdateStatus status = detail::free_stretch(x, [&](const T& F33, T& stress, T& slope) {
     const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
-    const Status made = update_point(material, F3, n0, G_n, lambda_n, dt, u);
+    const UpdateStatus made = update_point(material, F3, n0, G_n, lambda_n, dt, u);
     spatial_modulus(u, full);
     stress = u.tau[2];
     slope = detail::modulus_entry(full, 2, 2);
     return made;
   });
-  if (status != Status::ok) {
+  if (status != UpdateStatus::ok) {
     detail::fail(status, G_n, u);
     for (int i = 0; i < 9; ++i) c[i] = u.tau[0];  // NaN
     return status;
@@ -107,22 +107,22 @@ MYOGROWTH_FUNCTION Status plane_stress(const FibreGrowth<P>& material, const T F
 /// lateral) with the fibre along 1, so that the axial force per reference area is u.tau[0]/stretch. slope:
 /// dtau_11/dln(stretch) at free sides, growth included [stress].
 template <class T, class P>
-MYOGROWTH_FUNCTION Status uniaxial_stress(const FibreGrowth<P>& material, const T& stretch, const T& G_n,
-                                          const T& lambda_n, const P& dt, T& lateral, PointUpdate<T>& u,
-                                          T& slope) {
+MYOGROWTH_FUNCTION UpdateStatus uniaxial_stress(const FibreGrowth<P>& material, const T& stretch,
+                                                const T& G_n, const T& lambda_n, const P& dt, T& lateral,
+                                                PointUpdate<T>& u, T& slope) {
   using V = Real<T>;
   const T zero(0), n0[3] = {T(V(1)), zero, zero};
   T c[36];
   T x = value(lateral) > 0 && is_finite(lateral) ? lateral : T(V(1));
-  const Status status = detail::free_stretch(x, [&](const T& side, T& stress, T& dstress) {
+  const UpdateStatus status = detail::free_stretch(x, [&](const T& side, T& stress, T& dstress) {
     const T F[9] = {stretch, zero, zero, zero, side, zero, zero, zero, side};
-    const Status made = update_point(material, F, n0, G_n, lambda_n, dt, u);
+    const UpdateStatus made = update_point(material, F, n0, G_n, lambda_n, dt, u);
     spatial_modulus(u, c);
     stress = u.tau[1];
     dstress = detail::modulus_entry(c, 1, 1) + detail::modulus_entry(c, 1, 2);
     return made;
   });
-  if (status != Status::ok) {
+  if (status != UpdateStatus::ok) {
     detail::fail(status, G_n, u);
     slope = u.tau[0];  // NaN
     return status;

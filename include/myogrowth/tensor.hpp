@@ -13,17 +13,23 @@
 
 namespace myogrowth {
 
+// Column by column, whatever Eigen is told to do with matrices of which nothing is said.
 template <class T>
-using Vec3 = Eigen::Matrix<T, 3, 1>;  ///< vector
+using Vec3 = Eigen::Matrix<T, 3, 1, Eigen::ColMajor>;  ///< vector
 template <class T>
-using Mat3 = Eigen::Matrix<T, 3, 3>;  ///< second-order tensor
+using Mat3 = Eigen::Matrix<T, 3, 3, Eigen::ColMajor>;  ///< second-order tensor
 // Not aligned, so that a struct of these has one layout whatever the compiler's -m flags are.
 template <class T>
-using Vec6 = Eigen::Matrix<T, 6, 1, Eigen::DontAlign>;  ///< symmetric tensor, 11 22 33 12 13 23
+using Vec6 =
+    Eigen::Matrix<T, 6, 1, Eigen::ColMajor | Eigen::DontAlign>;  ///< symmetric tensor, 11 22 33 12 13 23
 template <class T>
-using Mat6 = Eigen::Matrix<T, 6, 6, Eigen::DontAlign>;  ///< fourth-order tensor with both minor symmetries
+using Mat6 =
+    Eigen::Matrix<T, 6, 6,
+                  Eigen::ColMajor | Eigen::DontAlign>;  ///< fourth-order tensor with both minor symmetries
 template <class T>
-using Mat9 = Eigen::Matrix<T, 9, 9, Eigen::DontAlign>;  ///< fourth-order tensor A_iJkL at (i + 3J, k + 3L)
+using Mat9 =
+    Eigen::Matrix<T, 9, 9,
+                  Eigen::ColMajor | Eigen::DontAlign>;  ///< fourth-order tensor A_iJkL at (i + 3J, k + 3L)
 
 /// A:B = A_ij B_ij, without conjugation.
 template <class T>

@@ -1,5 +1,7 @@
 // The kernel compared with the readable definitions and with closed forms.
 #include <gtest/gtest.h>
+#include <myogrowth/left_stretch.hpp>
+#include <myogrowth/mixed_volume.hpp>
 #include <myogrowth/neo_hookean.hpp>
 
 #include "../support/dual.hpp"
@@ -283,3 +285,56 @@ TYPED_TEST(Scalars, GiveTheSameUpdate) {
 }
 
 }  // namespace
+
+// Singular by its digits, for numbers whose products and differences all round; det F from F - I is 2e-16 to
+// 1 for them.
+TEST(Kernel, ASingularDeformationIsInvertedWhateverRounds) {
+  samples::Random r(21);
+  for (int i = 0; i < 20000; ++i) {
+    const double size = r.log_uniform(1e-6, 1e9);
+    Mat3<double> F;
+    for (int k = 0; k < 6; ++k) F(k) = size * r.uniform(-1, 1);
+    const double a = r.uniform(-2, 2), b = r.chance(0.3) ? 0 : r.uniform(-2, 2);
+    F.col(2) = a * F.col(0) + b * F.col(1);
+    if (r.chance(0.5)) F.transposeInPlace();
+    if (r.chance(0.3)) F.col(2).swap(F.col(0));
+    EXPECT_EQ(update(FibreGrowth<>(), F, State<>(), 0.1).status(), UpdateStatus::inverted) << F;
+    double V[9], c[36];
+    EXPECT_FALSE(left_stretch(F.data(), V));
+    PointUpdate<double> u;
+    MixedVolume<double> volume;
+    const double n0[3] = {1, 0, 0};
+    EXPECT_EQ(update_mixed(FibreGrowth<>(), F.data(), n0, 1., 1., 0.1, 1., u, c, volume),
+              UpdateStatus::inverted);
+  }
+  for (double unit : {1.0, 0.1, 1e8, 1e-3}) {
+    Mat3<double> F;
+    F << 1, 2, 3, 4, 5, 6, 7, 8, 9;
+    EXPECT_EQ(update(FibreGrowth<>(), Mat3<double>(unit * F), State<>(), 0.1).status(),
+              UpdateStatus::inverted)
+        << unit;
+  }
+}
+
+TEST(Kernel, ASmallVolumeThatIsExactKeepsItsDigits) {
+  const FibreGrowth<> m;
+  for (double x : {1e-1, 1e-2, 1e-5, 1e-15, 1e-60}) {
+    const Mat3<double> F = Eigen::Vector3d(1, x, 1).asDiagonal();
+    const auto u = update(m, F, State<>(), 0.1);
+    ASSERT_TRUE(u.ok()) << x;
+    EXPECT_NEAR(u.point.J / x, 1, 1e-15);
+    EXPECT_NEAR(u.point.psi / (8 * std::log(x) * std::log(x) + 2 * (x * x - 1) - 4 * std::log(x)), 1, 1e-14)
+        << x;
+    const auto both = update(m, Mat3<double>(x * Mat3<double>::Identity()), State<>(), 0.1);
+    ASSERT_TRUE(both.ok()) << x;
+    EXPECT_NEAR(both.point.J / (x * x * x), 1, 1e-15);
+    EXPECT_TRUE(both.dP_dF().allFinite()) << x;
+  }
+}
+
+// By the digits that a type has: epsilon of a long double made of two doubles is no tolerance.
+TEST(Kernel, TolerancesAreMadeOfDigits) {
+  EXPECT_EQ(last_place<double>(), std::numeric_limits<double>::epsilon());
+  EXPECT_EQ(last_place<float>(), std::numeric_limits<float>::epsilon());
+  EXPECT_EQ(last_place<long double>(), std::ldexp(1.0L, 1 - std::numeric_limits<long double>::digits));
+}

@@ -1,0 +1,4 @@
+// The UMAT in one file after the same macros.
+#include "macros.hpp"
+
+#include MYOGROWTH_SINGLE_UMAT
