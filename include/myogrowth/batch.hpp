@@ -404,7 +404,7 @@ MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& 
   }
   // (From far below the end, u_n - u would cost G digits.)
   const auto within = (zero <= part) & (part <= panel) & (u_n < P(V(8)) * G_n);
-  return asked & (!grows | beyond | active | !within);
+  return asked & ((!grows) | beyond | active | (!within));
 }
 
 /// The first stage for the points from point i on: their deformation.
