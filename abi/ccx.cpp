@@ -15,8 +15,6 @@
 #include <atomic>
 #include <cstdlib>
 #include <limits>
-#include <myogrowth/kernel.hpp>
-#include <myogrowth/measures.hpp>
 
 #include "point.hpp"
 
@@ -64,32 +62,21 @@ void update_point_of_ccx(const double* F_given, double dtime, const double* prop
         "*ORIENTATION.");
   }
 
-  const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  bool all_zero = true;  // where NLGEOM is missing
-  for (int i = 0; i < 9; ++i) all_zero = all_zero && F_given[i] == 0;
-  const double* F = all_zero ? identity : F_given;
-
+  const double* F = abi::or_identity(F_given);
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatev);
   PointUpdate<double> u;
-  update_point(p.material, F, p.n0, G_n, lambda_n, dtime, u);
-  double sum = 0;  // stays 0 as long as all is finite
-  if (u.status == Status::ok) {
-    double c[36];
-    spatial_modulus(u, c);
-    second_piola_from_kirchhoff(F, u.tau, S);
-    dS_dE_from_jaumann(F, u.tau, c, dS_dE);
-    for (int i = 0; i < 6; ++i) sum += 0 * S[i];
-    for (int i = 0; i < 36; ++i) sum += 0 * dS_dE[i];
-  }
   double factor = 1;
-  if (u.status != Status::ok || sum != 0) {
+  update_point(p.material, F, p.n0, G_n, lambda_n, dtime, u);
+  const int second_piola = 2;
+  if (u.status == Status::ok) abi::convert(second_piola, F, u, S, dS_dE);
+  if (u.status == Status::ok && are_finite(S, 6) && are_finite(dS_dE, 36)) {
+    if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, u.lambda, dtime);
+    abi::write_state(u, statev, nstatev);
+  } else {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < 6; ++i) S[i] = nan;
     for (int i = 0; i < 36; ++i) dS_dE[i] = nan;
     factor = abi::cut_back;
-  } else {
-    if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, u.lambda, dtime);
-    abi::write_state(u, statev, nstatev);
   }
   if (factor < 1 && !(pnewdt > 0 && pnewdt <= factor)) pnewdt = factor;
 }

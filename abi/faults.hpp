@@ -4,7 +4,6 @@
 #define MYOGROWTH_ABI_FAULTS_HPP
 
 #include <cstdarg>
-#include <cstddef>
 #include <cstdio>
 #include <limits>
 
@@ -103,7 +102,7 @@ MYOGROWTH_APART bool find_fault_among_all(const R* props, int nprops, Properties
     known[i] = i < nprops ? static_cast<double>(props[i]) : property(i).initial;
   const int bad = read(known, properties);
   if (bad >= 0) {
-    char place[16];
+    char place[24];
     std::snprintf(place, sizeof place, "PROPS(%d)", bad + 1);
     return tell_bad_entry(bad, known[bad], text, place, digits<R>());
   }
@@ -202,59 +201,6 @@ inline bool find_fibre_fault(const double* statev, int nstatev, double (&n0)[3],
   return tell(
       text,
       "PROPS(7:9) = 0, 0, 0: n0, the fibre direction, must have a length > 0 (or give it in STATEV(6:8)).");
-}
-
-/// True, and the text, if Abaqus/Standard's numbers of stress components are not those of an element family
-/// that the UMAT computes.
-inline bool find_family_fault(int ntens, int ndi, int nshr, Text& text) {
-  if (ntens == 6 && ndi == 3 && nshr == 3) return false;
-  if ((ntens == 4 && ndi == 3 && nshr == 1) || (ntens == 3 && ndi == 2 && nshr == 1)) return false;
-  const char* unknown = nullptr;
-  if (ndi + nshr == ntens) {
-    if (ndi == 1 && nshr == 0) unknown = "trusses, and beams in a plane,";
-    if (ndi == 1 && nshr == 1) unknown = "beams in space, and cohesive elements in a plane,";
-    if (ndi == 1 && nshr == 2) unknown = "cohesive elements";
-    if (ndi == 2 && nshr == 0) unknown = "axisymmetric shells and membranes";
-    if (ndi == 3 && nshr == 0) unknown = "elements of one-dimensional generalised plane strain";
-  }
-  if (unknown) {
-    return tell(text,
-                "NTENS = %d, NDI = %d, NSHR = %d: %s are not supported; NTENS must be 6 (solids), 4 (plane "
-                "strain, axisymmetric) or 3 (plane stress, membranes, shells).",
-                ntens, ndi, nshr, unknown);
-  }
-  if (ntens == 6 || ntens == 4 || ntens == 3) {
-    return tell(text, "NTENS = %d, NDI = %d, NSHR = %d: NDI and NSHR must be %d and %d with this NTENS.",
-                ntens, ndi, nshr, ntens == 3 ? 2 : 3, ntens == 6 ? 3 : 1);
-  }
-  return tell(text,
-              "NTENS = %d: must be 6 (solids), 4 (plane strain, axisymmetric) or 3 (plane stress, membranes, "
-              "shells).",
-              ntens);
-}
-
-extern "C" {
-/// Abaqus's STDB_ABQERR and XPLB_ABQERR. The texts here refer to none of the numbers, whose type varies.
-using HostMessage = void(const int* lop, const char* text, const int* ints, const void* reals,
-                         const char* chars, std::size_t text_length, std::size_t chars_length);
-/// Abaqus's XIT and XPLB_EXIT.
-using HostExit = void();
-}
-
-/// Says that `routine` (UMAT, ...) has found a fault: as an error through the host's utilities and its exit,
-/// as far as the host has them (null where not), else on standard error.
-inline void report(const char* routine, const char* text, HostMessage* message, HostExit* exit) {
-  const int error = -2, no_int = 0;
-  const double no_real = 0;
-  char line[512];
-  const int written = std::snprintf(line, sizeof line, "myogrowth %s: %s", routine, text);
-  const int length = written < static_cast<int>(sizeof line) ? written : static_cast<int>(sizeof line) - 1;
-  if (message) {
-    message(&error, line, &no_int, &no_real, "        ", static_cast<std::size_t>(length), 8);
-  } else {
-    std::fprintf(stderr, "%s\n", line);
-  }
-  if (exit) exit();
 }
 
 }  // namespace abi

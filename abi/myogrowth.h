@@ -115,7 +115,10 @@ int myogrowth_update(const double* props, int n_props, const double F[9], const 
                      double* state_out, int n_state, double dt, int measure, double* stress, double* tangent,
                      double* energy, char* message, int message_length);
 
-/// myogrowth_update for n_points points of one material and one dt; point by point the same bits.
+/// myogrowth_update for n_points points of one material and one dt, in SIMD packs of the machine where they
+/// can be. A point's results do not depend on the number or the order of the points, to the bit; they are
+/// those of myogrowth_update to rounding (1e-12, relative), with the same status, and bits may differ between
+/// machines.
 ///
 /// The arrays hold one point after the other: F n_points x 9, state_in and state_out n_points x n_state,
 /// stress and tangent n_points x their size, energy n_points. status[n_points], or NULL: the
@@ -127,6 +130,20 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
                        const double* state_in, double* state_out, int n_state, double dt, int measure,
                        double* stress, double* tangent, double* energy, int* status, char* message,
                        int message_length);
+
+/// One step of a strip that is pulled along its fibre with its sides free, uniaxial stress: to the total
+/// stretch at its end. Of the rest as myogrowth_update; the direction of the fibre plays no part.
+///
+/// lateral: in, a start for the stretch of the sides (<= 0: none); out, the stretch at which they are free of
+/// stress. stress, energy: one number each, the Cauchy stress along the fibre and psi [stress]. modulus: its
+/// derivative, dtau/dln(stretch)/J at free sides, growth included [stress]. lateral, modulus, energy and
+/// message may be NULL.
+///
+/// Returns a myogrowth_status; MYOGROWTH_NOT_CONVERGED if no such lateral stretch was found. On failure
+/// state_out and lateral are not touched, and stress, modulus and energy become NaN.
+int myogrowth_uniaxial(const double* props, int n_props, double stretch, const double* state_in,
+                       double* state_out, int n_state, double dt, double* lateral, double* stress,
+                       double* modulus, double* energy, char* message, int message_length);
 
 #ifdef __cplusplus
 }

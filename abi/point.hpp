@@ -5,12 +5,19 @@
 
 #include <cmath>
 
+#include <myogrowth/measures.hpp>
+
 #include "faults.hpp"
 
 namespace myogrowth {
 namespace abi {
 
 constexpr double cut_back = 0.25;  ///< factor on the time increment when a step cannot be taken
+
+/// Lowers the factor on the time increment; a NaN there is replaced.
+inline void lower(double& factor, double to) {
+  if (!(factor <= to)) factor = to;
+}
 
 /// The sarcomere number a step starts from; a STATEV that knows nothing yet starts with 1.
 inline double number_at_start(const double* statev) { return statev[0] == 0 ? 1 : statev[0]; }
@@ -32,12 +39,53 @@ inline double advised_factor(const Properties& p, double G_n, double lambda_n, d
   return factor < least ? least : factor;
 }
 
-/// STATEV(1:8) at the end of a step, as far as there is room.
+/// Stress, and the tangent unless it is null, in the measure asked for: 0 Cauchy, 6 and 36; 1 first
+/// Piola-Kirchhoff, 9 and 81; 2 second, 6 and 36. Layouts as in measures.hpp.
+inline void convert(int measure, const double F[9], const PointUpdate<double>& u, double* stress,
+                    double* tangent) {
+  double c[36];
+  if (tangent && measure != 0) spatial_modulus(u, c);
+  if (measure == 0) {
+    cauchy_from_kirchhoff(u.J, u.tau, stress);
+    if (tangent) spatial_modulus(u, tangent, 1 / u.J);
+  } else if (measure == 1) {
+    first_piola_from_kirchhoff(F, u.tau, stress);
+    if (tangent) dP_dF_from_jaumann(F, u.tau, c, tangent);
+  } else {
+    second_piola_from_kirchhoff(F, u.tau, stress);
+    if (tangent) dS_dE_from_jaumann(F, u.tau, c, tangent);
+  }
+}
+
+/// F[9], or the identity where all is zero, as in hosts without NLGEOM.
+inline const double* or_identity(const double F[9]) {
+  static constexpr double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  for (int i = 0; i < 9; ++i) {
+    if (F[i] != 0) return F;
+  }
+  return identity;
+}
+
+constexpr int n_kept = fibre_entry + 3;  ///< entries of STATEV that a step leaves, but for the thickness
+
+/// These entries of STATEV at the end of a step.
+inline void state_of(const PointUpdate<double>& u, double (&state)[n_kept]) {
+  const double scalars[fibre_entry] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
+  for (int i = 0; i < fibre_entry; ++i) state[i] = scalars[i];
+  for (int i = 0; i < 3; ++i) state[fibre_entry + i] = u.n0[i];
+}
+
+/// How many of them a STATEV of that length keeps.
+inline int kept_entries(int nstatev) {
+  return keeps_fibre(nstatev) ? n_kept : nstatev < fibre_entry ? nstatev : fibre_entry;
+}
+
+/// Writes them as far as there is room.
 inline void write_state(const PointUpdate<double>& u, double* statev, int nstatev) {
-  const double scalars[5] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
-  const bool all = keeps_fibre(nstatev);
-  for (int i = 0; i < 5 && (all || i < nstatev); ++i) statev[i] = scalars[i];
-  for (int i = 0; i < 3 && all; ++i) statev[fibre_entry + i] = u.n0[i];
+  double state[n_kept];
+  state_of(u, state);
+  const int n = kept_entries(nstatev);
+  for (int i = 0; i < n; ++i) statev[i] = state[i];
 }
 
 }  // namespace abi

@@ -39,6 +39,7 @@ struct StateVariable {
 
 constexpr int n_props = 18;        ///< entries that mean something
 constexpr int n_props_plain = 9;   ///< entries before the options, all of which are off (0) by default
+constexpr int energy_entry = 10;   ///< index of energy in PROPS: the first of the options but for the frame
 constexpr int tau_rev_entry = 13;  ///< index of tau_rev in PROPS: the first of removal's
 constexpr int hybrid_entry = 17;  ///< index of hybrid in PROPS: what is before it, from tau_rev, is removal's
 constexpr int n_props_required = 6;   ///< entries that have no default

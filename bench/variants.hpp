@@ -17,7 +17,7 @@
 #include <myogrowth/kernel.hpp>
 #include <string>
 
-#include "../tests/support/umat_host.hpp"
+#include "../abi/abaqus.h"
 #include "points.hpp"
 
 namespace bench {

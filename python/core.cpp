@@ -1,13 +1,11 @@
-// What of the law Python calls: the C API over arrays, the uniaxial strip of stress_states.hpp, the table of
+// What of the law Python calls: the C API over arrays, a history of its uniaxial strip, its table of
 // parameters. Arrays come in as myogrowth.h wants them; python/myogrowth/__init__.py is the face.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
 #include <climits>
-#include <myogrowth/stress_states.hpp>
 
-#include "faults.hpp"
 #include "myogrowth.h"
 
 namespace py = pybind11;
@@ -51,32 +49,30 @@ py::tuple update(const Array& props, const Array& F, const Array& state, double 
 /// nothing has grown yet. Returns n x 5: G, lambda_e, lateral stretch, Cauchy stress along the fibre, J; the
 /// status; and the number of rows that have a result.
 py::tuple simulate(const Array& props, const Array& time, const Array& stretch, double G) {
-  myogrowth::abi::Properties properties;
-  myogrowth::abi::Text text = "";
-  if (myogrowth::abi::find_props_fault(props.data(), props_size(props), properties, text)) {
-    throw py::value_error(text);
+  char message[400] = "";
+  if (myogrowth_check(props.data(), props_size(props), message, sizeof message) != MYOGROWTH_OK) {
+    throw py::value_error(message);
   }
   const py::ssize_t n = time.size();
   Array rows({n, py::ssize_t(5)});
-  const double *t = time.data(), *lambda = stretch.data();
+  const double *constants = props.data(), *t = time.data(), *lambda = stretch.data();
   double* row = rows.mutable_data();
-  myogrowth::Status status = myogrowth::Status::ok;
+  int status = MYOGROWTH_OK;
   py::ssize_t done = 0;
   {
     const py::gil_scoped_release others_may_run;
-    double lateral = 1;
+    enum { of_G, of_lambda_e, of_lambda, of_J, n_state = 5 };  // the state's entries
+    double state[n_state] = {G, 0, n > 0 ? lambda[0] : 1, 0, 0}, lateral = 1, stress;
     for (; done < n; ++done, row += 5) {
-      const py::ssize_t before = done > 0 ? done - 1 : 0;
-      myogrowth::PointUpdate<double> u;
-      double slope;
-      status = myogrowth::uniaxial_stress(properties.material, lambda[done], G, lambda[before],
-                                          t[done] - t[before], lateral, u, slope);
-      if (status != myogrowth::Status::ok) break;
-      G = u.G;
-      row[0] = G, row[1] = u.lambda_e, row[2] = lateral, row[3] = u.tau[0] / u.J, row[4] = u.J;
+      const double dt = done > 0 ? t[done] - t[done - 1] : 0;
+      status = myogrowth_uniaxial(constants, props_size(props), lambda[done], state, state, n_state, dt,
+                                  &lateral, &stress, nullptr, nullptr, nullptr, 0);
+      if (status != MYOGROWTH_OK) break;
+      row[0] = state[of_G], row[1] = state[of_lambda_e], row[2] = lateral, row[3] = stress,
+      row[4] = state[of_J];
     }
   }
-  return py::make_tuple(rows, static_cast<int>(status), done);
+  return py::make_tuple(rows, status, done);
 }
 
 py::tuple check(const Array& props) {

@@ -2,6 +2,8 @@
 #ifndef MYOGROWTH_BENCH_PEERS_UMAT_HPP
 #define MYOGROWTH_BENCH_PEERS_UMAT_HPP
 
+#include "../../abi/abaqus.h"
+
 /// Stress[6] (Cauchy), ddsdde[36], energy and STATEV at the end of a step to F[9].
 static void update(const double* props, double dtime, const double* F, double* statev, double* stress,
                    double* ddsdde, double& sse);

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 #include <myogrowth.h>
 
+#include <algorithm>
 #include <myogrowth/left_stretch.hpp>
+#include <myogrowth/stress_states.hpp>
+#include <vector>
 
 #include "../support/samples.hpp"
 
@@ -71,6 +74,150 @@ TEST(CApi, TakesTheLeftStretchInALocalBasis) {
     EXPECT_EQ(local.stress, to_six(u.cauchy()));
     EXPECT_EQ(local.tangent, u.ddsdde());
     EXPECT_EQ(local.state[0], u.state.G);
+  }
+}
+
+// What myogrowth.h promises of many points: those of myogrowth_update to rounding, with the same status, and
+// the same bits whatever the number and the order of the points.
+TEST(CApi, ManyPointsAreTheSinglePointToRoundingWhateverTheirOrder) {
+  samples::Random r(63);
+  const double props[] = {16, 4, 0.5, 2.3, 1.3, 1.01, 1, 0, 0};
+  for (int measure : {MYOGROWTH_CAUCHY, MYOGROWTH_FIRST_PIOLA, MYOGROWTH_SECOND_PIOLA}) {
+    const auto n_stress = static_cast<std::size_t>(myogrowth_stress_size(measure));
+    const std::size_t n = 203, n_tangent = n_stress * n_stress;
+    struct Many {
+      std::vector<double> F, state, stress, tangent, energy;
+      std::vector<int> status;
+    };
+    const auto update_n = [&](Many& m, std::size_t first, std::size_t count) {
+      return myogrowth_update_n(static_cast<int>(count), props, 9, &m.F[9 * first], &m.state[9 * first],
+                                &m.state[9 * first], 9, 0.1, measure, &m.stress[n_stress * first],
+                                &m.tangent[n_tangent * first], &m.energy[first], &m.status[first], nullptr,
+                                0);
+    };
+    Many all{
+        std::vector<double>(9 * n),         std::vector<double>(9 * n), std::vector<double>(n_stress * n),
+        std::vector<double>(n_tangent * n), std::vector<double>(n),     std::vector<int>(n)};
+    for (std::size_t i = 0; i < n; ++i) {
+      const Eigen::Matrix3d F = samples::rotation(r) * samples::deformation(r, 0.4);
+      std::copy_n(F.data(), 9, &all.F[9 * i]);
+      all.state[9 * i] = r.chance(0.1) ? 0 : 1 + 0.2 * r.uniform();
+      for (std::size_t k = 5; k < 8; ++k) all.state[9 * i + k] = r.uniform(-1, 1);
+      if (i % 50 == 7) all.F[9 * i] = -3 * std::abs(all.F[9 * i]) - 5;  // mostly turned inside out
+      if (i % 50 == 8) all.state[9 * i] = -1;
+    }
+    Many reversed = all, pieces = all;
+    const Many start = all;
+    for (std::size_t i = 0; i < n; ++i) {
+      std::copy_n(&start.F[9 * i], 9, &reversed.F[9 * (n - 1 - i)]);
+      std::copy_n(&start.state[9 * i], 9, &reversed.state[9 * (n - 1 - i)]);
+    }
+    const int failed = update_n(all, 0, n);
+    EXPECT_EQ(update_n(reversed, 0, n), failed);
+    std::size_t first = 0;
+    for (std::size_t size : {1u, 2u, 5u, 31u, 33u, 64u, 67u}) update_n(pieces, first, size), first += size;
+    ASSERT_EQ(first, n);
+    EXPECT_EQ(failed, std::count_if(all.status.begin(), all.status.end(), [](int x) { return x != 0; }));
+    EXPECT_GE(failed, 4);
+    EXPECT_LE(failed, 12);
+
+    const auto same = [](const double* a, const double* b, std::size_t count) {
+      return std::equal(a, a + count, b,
+                        [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+    };
+    double worst = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t j = n - 1 - i;
+      EXPECT_EQ(all.status[i], reversed.status[j]);
+      EXPECT_TRUE(same(&all.stress[n_stress * i], &reversed.stress[n_stress * j], n_stress));
+      EXPECT_TRUE(same(&all.tangent[n_tangent * i], &reversed.tangent[n_tangent * j], n_tangent));
+      EXPECT_TRUE(same(&all.state[9 * i], &reversed.state[9 * j], 9));
+      EXPECT_TRUE(same(&all.energy[i], &reversed.energy[j], 1));
+      EXPECT_TRUE(same(&all.stress[n_stress * i], &pieces.stress[n_stress * i], n_stress));
+      EXPECT_TRUE(same(&all.tangent[n_tangent * i], &pieces.tangent[n_tangent * i], n_tangent));
+      EXPECT_TRUE(same(&all.state[9 * i], &pieces.state[9 * i], 9));
+
+      std::vector<double> state(9), stress(n_stress), tangent(n_tangent);
+      double energy;
+      EXPECT_EQ(myogrowth_update(props, 9, &start.F[9 * i], &start.state[9 * i], state.data(), 9, 0.1,
+                                 measure, stress.data(), tangent.data(), &energy, nullptr, 0),
+                all.status[i]);
+      if (all.status[i] != MYOGROWTH_OK) {
+        EXPECT_TRUE(same(&all.state[9 * i], &start.state[9 * i], 9));
+        EXPECT_TRUE(std::isnan(all.energy[i]) && std::isnan(all.stress[n_stress * i]));
+        continue;
+      }
+      const auto difference = [](const double* a, const std::vector<double>& b) {
+        double most = 0, size = 0;
+        for (std::size_t k = 0; k < b.size(); ++k) {
+          most = std::max(most, std::abs(a[k] - b[k])), size = std::max(size, std::abs(b[k]));
+        }
+        return most / size;
+      };
+      worst = std::max({worst, difference(&all.stress[n_stress * i], stress),
+                        difference(&all.tangent[n_tangent * i], tangent),
+                        difference(&all.state[9 * i], state), difference(&all.energy[i], {energy})});
+    }
+    EXPECT_LE(worst, 1e-12);
+    std::printf("measure %d: %.1e from the single point, relative\n", measure, worst);
+  }
+}
+
+TEST(CApi, UniaxialIsTheCoreBitForBit) {
+  samples::Random r(64);
+  for (int i = 0; i < 300; ++i) {
+    FibreGrowth<> m;
+    m.c1 = r.uniform(0, 100);
+    m.growth = {0.5, r.uniform(0.5, 4), 1.3, 1.01};
+    m.integration = r.chance(0.5) ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
+    const double second = m.integration == TimeIntegration::midpoint_flow;
+    const double props[] = {m.c1, 4, 0.5, m.growth.gamma, 1.3, 1.01, 0, 0, 0, 0, 0, second};
+    const double stretch = r.uniform(0.7, 1.6), G = 1 + 0.2 * r.uniform(), lambda_n = r.uniform(0.9, 1.2);
+    PointUpdate<double> u;
+    double side = 0.9, slope;
+    ASSERT_EQ(uniaxial_stress(m, stretch, G, lambda_n, 0.3, side, u, slope), Status::ok);
+
+    double state[9] = {G, 7, lambda_n, 7, 7, 3, 4, 5, 6}, lateral = 0.9, stress, modulus, energy;
+    ASSERT_EQ(myogrowth_uniaxial(props, 12, stretch, state, state, 9, 0.3, &lateral, &stress, &modulus,
+                                 &energy, nullptr, 0),
+              MYOGROWTH_OK);
+    EXPECT_EQ(lateral, side);
+    EXPECT_EQ(stress, u.tau[0] / u.J);
+    EXPECT_EQ(modulus, slope / u.J);
+    EXPECT_EQ(energy, u.psi);
+    const double expected[9] = {u.G, u.lambda_e, u.lambda, u.J, u.Je, 3, 4, 5, 6};
+    for (int k = 0; k < 9; ++k) EXPECT_EQ(state[k], expected[k]) << k;
+  }
+}
+
+TEST(CApi, UniaxialSaysWhatItCannotTake) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double good[] = {16, 4, 0.5, 2, 1.1, 1.01}, bad[] = {16, -4, 0.5, 2, 1.1, 1.01};
+  const struct {
+    const double* props;
+    double stretch, G, dt;
+    int status;
+    const char* words;
+  } cases[] = {{good, -1, 1, 0.1, MYOGROWTH_INVERTED, "inverted"},
+               {good, nan, 1, 0.1, MYOGROWTH_NOT_FINITE, "not finite"},
+               {good, 1.1, 1, nan, MYOGROWTH_NOT_FINITE, "not finite"},
+               {good, 1.1, -1, 0.1, MYOGROWTH_BAD_STATE, "STATEV(1) = -1"},
+               {bad, 1.1, 1, 0.1, MYOGROWTH_BAD_PARAMETER, "PROPS(2) = -4"},
+               {nullptr, 1.1, 1, 0.1, MYOGROWTH_BAD_ARGUMENT, "props = NULL"}};
+  for (const auto& c : cases) {
+    double state[9] = {c.G, 1, 2, 3, 4, 5, 6, 7, 8}, lateral = 0.9, stress = 1, modulus = 1, energy = 1;
+    const std::vector<double> before(state, state + 9);
+    char message[200] = "";
+    EXPECT_EQ(myogrowth_uniaxial(c.props, 6, c.stretch, state, state, 9, c.dt, &lateral, &stress, &modulus,
+                                 &energy, message, sizeof message),
+              c.status);
+    EXPECT_NE(std::string(message).find(c.words), std::string::npos) << message;
+    EXPECT_EQ(std::vector<double>(state, state + 9), before);
+    EXPECT_EQ(lateral, 0.9);
+    EXPECT_TRUE(std::isnan(stress) && std::isnan(modulus) && std::isnan(energy));
+    EXPECT_EQ(myogrowth_uniaxial(c.props, 6, c.stretch, state, state, 9, c.dt, nullptr, &stress, nullptr,
+                                 nullptr, nullptr, 0),
+              c.status);
   }
 }
 

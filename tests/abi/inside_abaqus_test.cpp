@@ -7,7 +7,6 @@
 #include "../support/umat_host.hpp"
 
 extern "C" {
-Umat umat_in_abaqus, myogrowth_umat_in_abaqus;
 static std::string message;
 static int exits = 0;
 void stdb_abqerr_in_abaqus(const int*, const char* text, const int*, const void*, const char*,

@@ -13,7 +13,6 @@
 
 #include "../support/ccx_host.hpp"
 #include "../support/umat_host.hpp"
-#include "../support/vumat_host.hpp"
 
 namespace {
 // What the routines said through the host's utilities: the number of messages, and a sum over their letters.

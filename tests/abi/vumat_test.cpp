@@ -9,7 +9,6 @@
 
 #include "../support/samples.hpp"
 #include "../support/umat_host.hpp"
-#include "../support/vumat_host.hpp"
 
 #ifdef MYOGROWTH_TEST_WITH_UTILITIES
 namespace {
@@ -30,6 +29,7 @@ void xplb_exit_() { ++utilities.exits; }
 
 namespace {
 
+using Number = VumatReal;
 constexpr double tolerance = sizeof(Number) == sizeof(float) ? 1e-5 : 1e-12;
 
 using Eigen::Matrix3d;

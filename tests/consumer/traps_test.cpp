@@ -11,7 +11,6 @@
 
 #include "../support/samples.hpp"
 #include "../support/umat_host.hpp"
-#include "../support/vumat_host.hpp"
 
 using namespace myogrowth;
 

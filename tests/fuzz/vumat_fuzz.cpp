@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "../support/vumat_host.hpp"
+#include "../../abi/abaqus.h"
 #include "bytes.hpp"
 #include "rules.hpp"
 

@@ -6,17 +6,7 @@
 #include <limits>
 #include <vector>
 
-extern "C" {
-using Umat = void(double* stress, double* statev, double* ddsdde, double* sse, double* spd, double* scd,
-                  double* rpl, double* ddsddt, double* drplde, double* drpldt, const double* stran,
-                  const double* dstran, const double* time, const double* dtime, const double* temp,
-                  const double* dtemp, const double* predef, const double* dpred, const char* cmname,
-                  const int* ndi, const int* nshr, const int* ntens, const int* nstatv, const double* props,
-                  const int* nprops, const double* coords, const double* drot, double* pnewdt,
-                  const double* celent, const double* dfgrd0, const double* dfgrd1, const int* noel,
-                  const int* npt, const int* layer, const int* kspt, const int* kstep, const int* kinc);
-Umat umat_, myogrowth_umat_;
-}
+#include "../../abi/abaqus.h"
 
 namespace host {
 
@@ -43,7 +33,7 @@ struct Call {
   int n_shear() const { return nshr != of_family ? nshr : ntens == 6 ? 3 : 1; }
   int n_direct() const { return ndi != of_family ? ndi : ntens - n_shear(); }
 
-  Call& run(Umat* umat = umat_) {
+  Call& run(Umat* umat = MYOGROWTH_FORTRAN(umat, UMAT)) {
     const int n_direct = this->n_direct(), n_shear = this->n_shear(), kstep = 1, kinc = 1;
     const int nprops = static_cast<int>(props.size()), nstatv = static_cast<int>(statev.size());
     const double six[6] = {}, time[2] = {}, temp = 0, predef = 0, celent = 1;
