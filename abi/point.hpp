@@ -69,7 +69,7 @@ inline const double* or_identity(const double F[9]) {
 constexpr int n_kept = fibre_entry + 3;  ///< entries of STATEV that a step leaves, but for the thickness
 
 /// These entries of STATEV at the end of a step.
-inline void state_of(const PointUpdate<double>& u, double (&state)[n_kept]) {
+inline void state_of(const PointUpdate<double>& u, double* state) {
   const double scalars[fibre_entry] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
   for (int i = 0; i < fibre_entry; ++i) state[i] = scalars[i];
   for (int i = 0; i < 3; ++i) state[fibre_entry + i] = u.n0[i];
@@ -82,10 +82,10 @@ inline int kept_entries(int nstatev) {
 
 /// Writes them as far as there is room.
 inline void write_state(const PointUpdate<double>& u, double* statev, int nstatev) {
+  if (keeps_fibre(nstatev)) return state_of(u, statev);
   double state[n_kept];
   state_of(u, state);
-  const int n = kept_entries(nstatev);
-  for (int i = 0; i < n; ++i) statev[i] = state[i];
+  for (int i = 0; i < kept_entries(nstatev); ++i) statev[i] = state[i];
 }
 
 }  // namespace abi

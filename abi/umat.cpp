@@ -60,7 +60,7 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
                                    const int* /*layer*/, const int* /*kspt*/, const int* /*kstep*/,
                                    const int* /*kinc*/) {
   *rpl = *drpldt = 0;
-  for (int i = 0; i < *ntens; ++i) ddsddt[i] = drplde[i] = 0;
+  for (int i = 0, n = *ntens; i < n; ++i) ddsddt[i] = drplde[i] = 0;
 
   // Check. STATEV is as it came in wherever there is no result.
   abi::Properties properties;
