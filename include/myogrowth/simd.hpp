@@ -355,13 +355,16 @@ namespace detail {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 inline unsigned sign_bits(__mmask8 mask, std::integral_constant<int, 1>, double) { return mask; }
 inline unsigned sign_bits(__mmask16 mask, std::integral_constant<int, 2>, float) { return mask; }
+// 0 for 0, so that nothing below is 0 times infinity.
 template <class L>
 L rough_reciprocal_root(const L& v, double) {
-  return (L)_mm512_maskz_rsqrt14_pd(0xff, (__m512d)v);
+  return (L)_mm512_maskz_rsqrt14_pd(_mm512_cmp_pd_mask((__m512d)v, _mm512_setzero_pd(), _CMP_NEQ_UQ),
+                                    (__m512d)v);
 }
 template <class L>
 L rough_reciprocal_root(const L& v, float) {
-  return (L)_mm512_maskz_rsqrt14_ps(0xffff, (__m512)v);
+  return (L)_mm512_maskz_rsqrt14_ps(_mm512_cmp_ps_mask((__m512)v, _mm512_setzero_ps(), _CMP_NEQ_UQ),
+                                    (__m512)v);
 }
 template <class L>
 L rough_reciprocal(const L& v, double) {
@@ -387,7 +390,7 @@ template <class L>
 L fused_minus(const L& a, const L& b, const L& c, float) {
   return (L)_mm512_fnmadd_ps((__m512)a, (__m512)b, (__m512)c);
 }
-// As divide() below, for the same reason; the root of 0 is NaN.
+// As divide() below, for the same reason; the root of 0 is 0.
 template <class L, class V>
 L square_root(const L& x, std::integral_constant<int, 64>, V) {
   const L one = L{} + V(1), half = L{} + V(0.5), three_eighths = L{} + V(0.375);
