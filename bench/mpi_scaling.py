@@ -26,7 +26,9 @@ def run(muscle, ranks, elements, entries):
         entries = {**BASE, "Geometry/Layers": layers, "Geometry/Refinements": refinements, "Output/Folder": folder, **entries}
         command = ["mpirun", "-q", "-n", str(ranks), muscle, *(f"{entry}={value}" for entry, value in entries.items())]
         print(f"... {elements} elements, {ranks} ranks, {entries.get('Solver/Assembly', 'compact')}", file=sys.stderr, flush=True)
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        status = subprocess.run(command, check=False, stdout=subprocess.DEVNULL).returncode
+        if status != 0:
+            sys.exit(f"mpi_scaling.py: {' '.join(map(str, command))}: ended with status {status}")
         return files.read_json(pathlib.Path(folder, "summary.json"))
 
 

@@ -15,6 +15,8 @@
 #include <myogrowth/material.hpp>
 #include <sstream>
 
+#include "../../abi/faults.hpp"
+
 namespace muscle {
 
 using namespace dealii;
@@ -44,19 +46,6 @@ struct Clock {
   ~Clock() { sum += cpu_seconds() - start; }
 };
 
-const char* text_of(myogrowth::Status status) {
-  switch (status) {
-    case myogrowth::Status::inverted:
-      return "det F <= 0";
-    case myogrowth::Status::no_fibre:
-      return "no fibre";
-    case myogrowth::Status::bad_state:
-      return "G <= 0";
-    default:
-      return "not finite";
-  }
-}
-
 }  // namespace
 
 Muscle::Muscle(const Parameters& parameters, MPI_Comm comm)
@@ -71,10 +60,13 @@ Muscle::Muscle(const Parameters& parameters, MPI_Comm comm)
   tendon_.c1 *= parameters.tendon_stiffness;
   tendon_.c2 *= parameters.tendon_stiffness;
   tendon_.growth.lambda_crit = never;
+  tendon_.removal.removal_time = 0;
   distribute();
   sort_cells();
+  find_ends();
   find_supports();
   start_points();
+  identity_ = identity();
   system_ = parameters.solver == "ML" ? trilinos_system(*unknowns_) : petsc_system(*unknowns_);
   dt_ = parameters.steps == "listed" ? parameters.end : parameters.step;
 }
@@ -107,8 +99,8 @@ void Muscle::sort_cells() {
       most = std::max(most, cell->vertex(v)[2]);
     }
   }
-  bottom_ = Utilities::MPI::min(least, comm_);
-  top_ = Utilities::MPI::max(most, comm_);
+  proximal_.z = Utilities::MPI::min(least, comm_);
+  distal_.z = Utilities::MPI::max(most, comm_);
   unknowns_->places.resize(unknowns_->owned.n_elements() / 3);
   std::size_t points = 0;
   for (const bool tendon : {false, true}) {
@@ -118,7 +110,7 @@ void Muscle::sort_cells() {
         if (!cell->is_locally_owned() || (cell->active_fe_index() == hex_index) != (shape == Shape::hex))
           continue;
         const double z = cell->center()[2];
-        if ((std::min(z - bottom_, top_ - z) < parameters_.tendon_length) != tendon) continue;
+        if ((std::min(z - proximal_.z, distal_.z - z) < parameters_.tendon_length) != tendon) continue;
         first_node_.push_back(X_.size() / 3);
         first_point_.push_back(points);
         std::vector<unsigned> nodes;
@@ -147,24 +139,93 @@ void Muscle::sort_cells() {
   }
 }
 
+/// Which nodes the ends hold; told, and refused where an end is not a closed flat face.
+void Muscle::find_ends() {
+  double height = std::numeric_limits<double>::max();  // the least of a cell, along z
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    double least = std::numeric_limits<double>::max(), most = -least;
+    for (std::size_t a = 0; a < unknowns_->cell_nodes[c].size(); ++a) {
+      const double z = X_[3 * (first_node_[c] + a) + 2];
+      least = std::min(least, z);
+      most = std::max(most, z);
+    }
+    height = std::min(height, most - least);
+  }
+  height = Utilities::MPI::min(height, comm_);
+  for (End* end : {&proximal_, &distal_}) {
+    end->tolerance = parameters_.ends_tolerance * height;
+    // Faces on the surface: whole ones, and those that face the same way but are held in part: a gap.
+    constexpr double same_way = 0.9;
+    Vector faces(u_);  // how many whole faces a node has
+    faces = 0;
+    double area = 0, gap = 0, farthest = 0;
+    for (const auto& cell : cells_) {
+      for (const unsigned f : cell->face_indices()) {
+        const auto face = cell->face(f);
+        if (!face->at_boundary()) continue;
+        const unsigned n = face->n_vertices();
+        unsigned held = 0;
+        for (unsigned v = 0; v < n; ++v) held += end->has(face->vertex(v)[2]);
+        if (held == 0) continue;
+        const Tensor<1, 3> normal =
+            n == 4 ? cross_product_3d(face->vertex(3) - face->vertex(0), face->vertex(2) - face->vertex(1))
+                   : cross_product_3d(face->vertex(1) - face->vertex(0), face->vertex(2) - face->vertex(0));
+        if (held == n) {
+          area += normal.norm() / 2;
+          for (unsigned v = 0; v < n; ++v) faces(face->vertex_dof_index(v, 0, cell->active_fe_index())) += 1;
+        } else if (std::abs(normal[2]) > same_way * normal.norm() &&
+                   (face->center()[2] - cell->center()[2]) * end->toward > 0) {
+          gap += normal.norm() / 2;
+          for (unsigned v = 0; v < n; ++v)
+            farthest = std::max(farthest, end->toward * (end->z - face->vertex(v)[2]));
+        }
+      }
+    }
+    faces.compress(VectorOperation::add);
+    unsigned nodes = 0, loose = 0;
+    for (unsigned k = 0; k < unknowns_->places.size(); ++k) {
+      if (!end->has(unknowns_->places[k][2])) continue;
+      ++nodes;
+      loose += faces.local_element(3 * k) == 0;
+    }
+    nodes = Utilities::MPI::sum(nodes, comm_);
+    loose = Utilities::MPI::sum(loose, comm_);
+    area = Utilities::MPI::sum(area, comm_);
+    gap = Utilities::MPI::sum(gap, comm_);
+    farthest = Utilities::MPI::max(farthest, comm_);
+    const std::string text = std::string(end->name) + " end at z = " + number("%.7g", end->z) + ": " +
+                             std::to_string(nodes) + " nodes, area " + number("%.7g", area);
+    const std::string more = "; nodes within Ends/Tolerance = " + number("%g", parameters_.ends_tolerance) +
+                             " of the least height of a cell, " + number("%g", height) + ", are of the end";
+    if (gap > 0)
+      throw Error(text + ": is not closed: an area of " + number("%g", gap) +
+                  " beside it faces the same way and has nodes that are not of the end, up to " +
+                  number("%g", farthest) + " from it" + more);
+    if (loose > 0 || area == 0)
+      throw Error(text + ": must be a flat face; " + std::to_string(loose) +
+                  " of these nodes have no face of the surface that is of the end" + more);
+    say(text);
+  }
+}
+
 void Muscle::find_supports() {
   const auto& nodes = unknowns_->cell_nodes;
-  const double close = 1e-9 * (top_ - bottom_);
   support_.assign(u_.locally_owned_size() + u_.get_partitioner()->n_ghost_indices(), none);
-  const bool clamp_bottom = parameters_.ends != "free", clamp_top = parameters_.ends == "clamped";
+  const bool clamp_proximal = parameters_.ends != "free", clamp_distal = parameters_.ends == "clamped";
   // Free ends: one node of the proximal end, the nearest to the z axis, holds that end's place, and a second
   // one, the farthest from it along x, its turn about z.
-  Point<3> axis, far;
-  if (!clamp_bottom) {
+  using Place = std::array<double, 3>;
+  Place axis{}, far{};
+  if (!clamp_proximal) {
     const auto best = [&](auto cost) {
-      // cost, then y and x decide, so that all ranks find the same node.
-      std::array<double, 3> mine = {{std::numeric_limits<double>::max(), 0, 0}};
+      // cost, then z, y and x decide, so that all ranks find the same node.
+      std::array<double, 4> mine = {{std::numeric_limits<double>::max(), 0, 0, 0}};
       for (const Point<3>& p : unknowns_->places) {
-        if (p[2] - bottom_ < close) mine = std::min(mine, std::array<double, 3>{{cost(p), p[1], p[0]}});
+        if (proximal_.has(p[2])) mine = std::min(mine, std::array<double, 4>{{cost(p), p[2], p[1], p[0]}});
       }
       const auto all = Utilities::MPI::all_gather(comm_, mine);
       const auto least = *std::min_element(all.begin(), all.end());
-      return Point<3>(least[2], least[1], bottom_);
+      return Place{{least[3], least[2], least[1]}};
     };
     const auto rounded = [](double x) { return std::round(x * 1e9) / 1e9; };
     axis = best([&](const Point<3>& p) { return rounded(p[0] * p[0] + p[1] * p[1]); });
@@ -176,13 +237,12 @@ void Muscle::find_supports() {
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     for (std::size_t a = 0; a < nodes[c].size(); ++a) {
       const double* X = X_.data() + 3 * (first_node_[c] + a);
-      const Point<3> p(X[0], X[1], X[2]);
-      const bool at_bottom = p[2] - bottom_ < close, at_top = top_ - p[2] < close;
+      const bool at_proximal = proximal_.has(X[2]), at_distal = distal_.has(X[2]);
       Support* s = support_.data() + nodes[c][a];
-      if (at_bottom || at_top) s[2] = at_top ? pulled : held;
-      if ((at_bottom && clamp_bottom) || (at_top && clamp_top)) s[0] = s[1] = held;
-      if (!clamp_bottom && p.distance(axis) < close) s[0] = s[1] = held;
-      if (!clamp_bottom && p.distance(far) < close) s[1] = held;
+      if (at_proximal || at_distal) s[2] = at_distal ? pulled : held;
+      if ((at_proximal && clamp_proximal) || (at_distal && clamp_distal)) s[0] = s[1] = held;
+      if (!clamp_proximal && std::equal(X, X + 3, axis.begin())) s[0] = s[1] = held;
+      if (!clamp_proximal && std::equal(X, X + 3, far.begin())) s[1] = held;
       for (int i = 0; i < 3; ++i) cell_supported_[c] |= s[i] != none;
     }
   }
@@ -207,32 +267,26 @@ void Muscle::start_points() {
     }
   }
   for (const double v : volumes_) volume += v;
-  const bool inverted = std::any_of(volumes_.begin(), volumes_.end(), [](double v) { return !(v > 0); });
-  if (Utilities::MPI::max(inverted ? 1 : 0, comm_) != 0)
-    throw Error("the mesh has a cell that is inside out");
-  const FibreField field = make_fibre_field(parameters_.fibre);
-  std::string wrong;
-  for (std::size_t p = 0; p < n; ++p) {
-    const Point<3> place(places_[3 * p], places_[3 * p + 1], places_[3 * p + 2]);
-    const Tensor<1, 3> fibre = field(place);
-    double unit[3] = {fibre[0], fibre[1], fibre[2]};
-    if (!myogrowth::normalise(unit, n0_.data() + 3 * p) && wrong.empty()) {
-      std::ostringstream text;
-      text << "Fibre: (" << fibre << ") at (" << place << "): must be finite and of a length > 0";
-      wrong = text.str();
+  const auto inverted = Utilities::MPI::sum(
+      std::count_if(volumes_.begin(), volumes_.end(), [](double v) { return !(v > 0); }), comm_);
+  if (inverted > 0)
+    throw Error("Geometry: " + std::to_string(inverted) +
+                " integration points lie in cells that are inside out or flat");
+  together(comm_, [&] {
+    const FibreField field = make_fibre_field(parameters_.fibre);
+    for (std::size_t p = 0; p < n; ++p) {
+      const Point<3> place(places_[3 * p], places_[3 * p + 1], places_[3 * p + 2]);
+      const Tensor<1, 3> fibre = field(place);
+      const double unit[3] = {fibre[0], fibre[1], fibre[2]};
+      if (!myogrowth::normalise(unit, n0_.data() + 3 * p)) {
+        std::ostringstream text;
+        text << "Fibre: (" << fibre << ") at (" << place << "): must be finite and of a length > 0";
+        throw Error(text.str());
+      }
     }
-  }
-  wrong = failure_of_any(wrong);
-  if (!wrong.empty()) throw Error(wrong);
+  });
   // Forces below this are rounding, where nothing is loaded.
   force_floor_ = 1e-12 * parameters_.muscle.c2 * std::pow(Utilities::MPI::sum(volume, comm_), 2. / 3);
-}
-
-/// The text of the lowest rank that has one, on all ranks; empty if none has.
-std::string Muscle::failure_of_any(const std::string& mine) const {
-  const unsigned n = Utilities::MPI::n_mpi_processes(comm_);
-  const unsigned first = Utilities::MPI::min(mine.empty() ? n : rank_, comm_);
-  return first == n ? std::string() : Utilities::MPI::broadcast(comm_, mine, first);
 }
 
 std::string Muscle::describe(const Group& group, const Failure& failure, double dt) const {
@@ -242,9 +296,12 @@ std::string Muscle::describe(const Group& group, const Failure& failure, double 
   const auto status =
       myogrowth::update_point(material(group), failure.F, n0_.data() + 3 * p, G_n_[p], lambda_n_[p], dt, u);
   std::ostringstream text;
-  text << text_of(status) << " in " << (group.shape == Shape::hex ? "hexahedron " : "wedge ")
-       << cells_[c]->id() << ", point " << failure.point + 1 << " at (" << places_[3 * p] << ", "
-       << places_[3 * p + 1] << ", " << places_[3 * p + 2] << "), G = " << G_n_[p] << ", F = [";
+  const CellId id = cells_[c]->id();
+  text << "no result (" << myogrowth::abi::text(status) << ") in "
+       << (group.shape == Shape::hex ? "hexahedron " : "wedge ")
+       << (parameters_.geometry.kind == "file" ? std::to_string(id.get_coarse_cell_id()) : id.to_string())
+       << ", point " << failure.point + 1 << " at (" << places_[3 * p] << ", " << places_[3 * p + 1] << ", "
+       << places_[3 * p + 2] << "), G = " << G_n_[p] << ", F = [";
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) text << failure.F[i + 3 * j] << (j < 2 ? " " : i < 2 ? "; " : "]");
   }
@@ -255,7 +312,7 @@ double Muscle::pull_at(double time) const {
   return parameters_.pull * std::min(time / parameters_.ramp, 1.0);
 }
 
-/// What the supports have to go until `time`; where u_ has got there it is nil.
+/// What the supports have to go until `time`; where u_ has got there it is zero.
 void Muscle::prepare_supports(double time) {
   const double pull = pull_at(time);
   for (unsigned k = 0; k < support_.size(); ++k) {
@@ -299,7 +356,7 @@ std::string Muscle::assemble(double dt, bool tangent) {
     system_->clear();
   }
   const std::string failure =
-      failure_of_any(parameters_.dense ? assemble_dense(dt) : assemble_compact(dt, tangent));
+      first_text(comm_, parameters_.dense ? assemble_dense(dt) : assemble_compact(dt, tangent));
   if (!failure.empty()) return failure;
   const Clock clock(costs_.insertion);
   residual_.compress(VectorOperation::add);
@@ -574,12 +631,16 @@ bool Muscle::run(const volatile int& asked_to_end) {
   sizes << mesh_->n_global_active_cells() << " elements, " << dofs_.n_dofs() << " unknowns, "
         << Utilities::MPI::n_mpi_processes(comm_) << " ranks";
   say(sizes.str());
-  if (parameters_.resume) read_checkpoint();
-  keep_rows_until_now("history.csv",
-                      "time,reaction,lambda_e_max,lambda_e_mean,lambda_e_min,G_max,G_mean,G_min,x,y,z");
-  keep_rows_until_now("newton.csv", "time,iteration,residual,krylov");
+  if (parameters_.resume) {
+    read_checkpoint();
+    say("resumed at time " + number("%g", time_));
+    find_fields();
+  } else {
+    put_checkpoint_aside();
+  }
+  start_rows();
 
-  const double shortest = 1e-9 * parameters_.end;
+  const double shortest = shortest_step * parameters_.end;
   const double planned = parameters_.steps == "listed" ? parameters_.end : parameters_.step;
   while (time_ < parameters_.end * (1 - 1e-12)) {
     const double step_start = MPI_Wtime(), stop = next_stop();
@@ -605,10 +666,10 @@ bool Muscle::run(const volatile int& asked_to_end) {
       ++costs_.cuts;
       fresh_iterations_ = -1;
       const bool time_is_too_long = attempt.converged;
-      if (!time_is_too_long) say("  step of " + std::to_string(dt) + " is halved: " + attempt.why);
+      if (!time_is_too_long) say("  step of " + number("%g", dt) + " is halved: " + attempt.why);
       dt_ = dt * (time_is_too_long ? factor : 0.5);
       if (dt_ < shortest)
-        throw Error("no step is short enough at time " + std::to_string(time_) + ": " + attempt.why);
+        throw Error("no step is short enough at time " + number("%g", time_) + ": " + attempt.why);
       continue;
     }
     commit(dt);

@@ -48,6 +48,7 @@ class Muscle {
   // muscle.cpp: set-up
   void distribute();
   void sort_cells();
+  void find_ends();
   void find_supports();
   void start_points();
 
@@ -59,7 +60,6 @@ class Muscle {
   void take_supports(const Group& group, std::size_t cell, double* K);
   void prepare_supports(double time);
   void solve(double target);
-  std::string failure_of_any(const std::string& mine) const;
   std::string describe(const Group& group, const Failure& failure, double dt) const;
   double time_error(double dt) const;
   void commit(double dt);
@@ -67,16 +67,21 @@ class Muscle {
   double next_stop() const;
 
   // results.cpp
-  void write_history();
-  void log_newton(int iteration, double residual, int krylov);
+  void start_rows() const;
+  void write_history() const;
+  void log_newton(int iteration, double residual, int krylov) const;
   void write_fields();
-  void write_collection() const;
-  void keep_rows_until_now(const std::string& name, const std::string& header) const;
-  void write_checkpoint();
-  void read_checkpoint();
+  void find_fields();
   void write_summary(double seconds) const;
   void tell_progress(double seconds) const;
   void say(const std::string& line) const;
+
+  // checkpoint.cpp
+  std::string identity() const;
+  void compare_identity(const std::string& path, const std::string& then) const;
+  void write_checkpoint() const;
+  void read_checkpoint();
+  void put_checkpoint_aside() const;
 
   const myogrowth::FibreGrowth<>& material(const Group& group) const {
     return group.tendon ? tendon_ : parameters_.muscle;
@@ -98,12 +103,20 @@ class Muscle {
   std::vector<std::size_t> first_node_, first_point_;  // of every cell, in X_ / 3 and in the points
   std::vector<double> X_, places_, volumes_, n0_, G_n_, lambda_n_;  // corners; points
   std::vector<double> G_, lambda_e_, lambda_, J_, Je_;  // points, at the end of the step that is tried
-  double bottom_ = 0, top_ = 0;                         // z of the ends
+
+  /// The nodes at the least or the largest z.
+  struct End {
+    const char* name;
+    double z, toward;      ///< where it is, and its outward direction along z, -1 or 1
+    double tolerance = 0;  ///< how far its nodes may be from z [length]
+    bool has(double place) const { return toward * (z - place) <= tolerance; }
+  };
+  End proximal_{"proximal", 0, -1}, distal_{"distal", 0, 1};
 
   enum Support : unsigned char { none, held, pulled };
   std::vector<Support> support_;      // local unknowns
   std::vector<char> cell_supported_;  // whether a cell has one
-  std::vector<double> support_step_;  // local unknowns: what is left to go, nil where not supported
+  std::vector<double> support_step_;  // local unknowns: what is left to go, 0 where not supported
   dealii::AffineConstraints<double> constraints_;  // the same for the dense loop
 
   Vector u_, u_n_, residual_, rhs_, x_;
@@ -112,6 +125,7 @@ class Muscle {
   int fresh_iterations_ = -1;  // of the first solve after the last set-up; -1: set up before the next
   int last_iterations_ = 0;
   std::vector<std::pair<double, std::string>> written_;  // times and files of fields
+  std::string identity_;                                 // what this run is, for the checkpoint
   Costs costs_;
 };
 

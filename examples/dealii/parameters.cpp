@@ -2,42 +2,145 @@
 
 #include <deal.II/base/parameter_handler.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <fstream>
+#include <map>
+#include <memory>
 #include <sstream>
+
+#include "../../abi/properties.hpp"
+#include "../common/rows.hpp"
 
 namespace muscle {
 namespace {
 
 using dealii::ParameterHandler;
 namespace Patterns = dealii::Patterns;
+namespace abi = myogrowth::abi;
 
 const double any = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::min();
 
-void declare(ParameterHandler& prm) {
+/// An entry, and what the user has said of it.
+struct Entry {
+  std::string section, name, allowed;
+  std::unique_ptr<Patterns::PatternBase> pattern;
+  std::string place;      ///< FILE:LINE:COLUMN; empty where no file says it
+  bool argument = false;  ///< whether an argument says it, in the place of the file
+
+  std::string full_name() const { return section + "/" + name; }
+};
+
+/// Every number of a list in its shortest form, so that 1 and 1.0 are the same; other texts as they are.
+std::string canonical(const std::string& value) {
+  std::string text;
+  for (const std::string& item : dealii::Utilities::split_string_list(value)) {
+    double x;
+    if (!common::to_number(item, x)) return value;
+    char shortest[40];
+    text += (text.empty() ? "" : ", ") + std::string(shortest, std::to_chars(shortest, shortest + 40, x).ptr);
+  }
+  return text;
+}
+
+/// All entries: declared here, set by files and arguments.
+class Entries {
+ public:
+  Entries() { declare(); }
+
+  /// Sets an entry: once at a place FILE:LINE:COLUMN, and once by an argument, which has none. Throws Error.
+  void set(const std::string& section, const std::string& name, const std::string& value,
+           const std::string& place) {
+    const std::string where = place.empty() ? "" : place + ": ";
+    const auto found = std::find_if(all_.begin(), all_.end(),
+                                    [&](const Entry& e) { return e.section == section && e.name == name; });
+    if (found == all_.end()) {
+      std::string names;
+      for (const Entry& e : all_) {
+        if (e.section == section) names += (names.empty() ? "" : ", ") + e.name;
+      }
+      throw Error(where + "there is no entry '" + common::visible(section + "/" + name) +
+                  (names.empty() ? "'; --entries or --help lists all" : "'; there are " + names));
+    }
+    if (place.empty() ? found->argument : !found->place.empty())
+      throw Error(where + found->full_name() + " is said twice, with the values " +
+                  common::visible(text(*found)) + " and " + common::visible(value) +
+                  (place.empty() ? "" : "; first in " + found->place));
+    if (!found->pattern->match(value))
+      throw Error(where + found->full_name() + " = " + common::visible(value) + ": must be " +
+                  found->allowed + common::hint(value));
+    found->place = place;
+    found->argument = place.empty();
+    prm_.enter_subsection(section);
+    prm_.set(name, value);
+    prm_.leave_subsection();
+  }
+
+  /// Reads a file: sections with their entries, each once.
+  void read(const std::string& path);
+
+  /// Throws Error that names an entry, its place and value and what is allowed.
+  void check(bool good, const std::string& full_name, const std::string& allowed) const {
+    if (good) return;
+    for (const Entry& e : all_) {
+      if (e.full_name() != full_name) continue;
+      const std::string value = text(e);
+      throw Error((e.place.empty() ? "" : e.place + ": ") + full_name +
+                  (value.empty() ? " is empty" : " = " + common::visible(value)) + ": must be " + allowed);
+    }
+  }
+
+  std::vector<std::pair<std::string, std::string>> texts() const {
+    std::vector<std::pair<std::string, std::string>> result;
+    for (const Entry& e : all_) result.emplace_back(e.full_name(), canonical(text(e)));
+    return result;
+  }
+
+  ParameterHandler& prm() { return prm_; }
+
+ private:
+  void declare();
+  std::string text(const Entry& e) const { return prm_.get({e.section}, e.name); }
+
+  ParameterHandler prm_;
+  std::vector<Entry> all_;
+};
+
+void Entries::declare() {
+  std::string now;  // the section
   const auto section = [&](const std::string& name, auto entries) {
-    prm.enter_subsection(name);
+    now = name;
+    prm_.enter_subsection(name);
     entries();
-    prm.leave_subsection();
+    prm_.leave_subsection();
+  };
+  const auto entry = [&](const std::string& name, const std::string& start, const Patterns::PatternBase& of,
+                         const std::string& allowed, const std::string& doc) {
+    prm_.declare_entry(name, start, of, doc);
+    all_.push_back({now, name, allowed, of.clone(), ""});
   };
   const auto real = [&](const std::string& name, const std::string& start, double least, double most,
                         const std::string& doc) {
-    prm.declare_entry(name, start, Patterns::Double(least, most), doc);
+    std::string allowed = "a number";
+    if (least > -any) allowed += least == tiny ? " > 0" : " >= " + common::text_of(least);
+    if (most < any) allowed += (least > -any ? " and <= " : " <= ") + common::text_of(most);
+    entry(name, start, Patterns::Double(least, most), allowed, doc);
   };
   const auto whole = [&](const std::string& name, const std::string& start, int least, int most,
                          const std::string& doc) {
-    prm.declare_entry(name, start, Patterns::Integer(least, most), doc);
+    entry(name, start, Patterns::Integer(least, most),
+          "a whole number from " + std::to_string(least) + " to " + std::to_string(most), doc);
   };
   const auto choice = [&](const std::string& name, const std::string& start, const std::string& of,
                           const std::string& doc) {
-    prm.declare_entry(name, start, Patterns::Selection(of), doc);
+    entry(name, start, Patterns::Selection(of), "one of " + of, doc);
   };
   const auto list = [&](const std::string& name, const std::string& start, const Patterns::PatternBase& item,
-                        unsigned least, unsigned most, const std::string& doc) {
-    prm.declare_entry(name, start, Patterns::List(item, least, most), doc);
+                        const std::string& allowed, unsigned least, unsigned most, const std::string& doc) {
+    entry(name, start, Patterns::List(item, least, most), allowed, doc);
   };
-  const auto text = [&](const std::string& name, const std::string& start, const std::string& doc) {
-    prm.declare_entry(name, start, Patterns::Anything(), doc);
+  const auto word = [&](const std::string& name, const std::string& start, const std::string& doc) {
+    entry(name, start, Patterns::Anything(), "a text", doc);
   };
 
   section("Geometry", [&] {
@@ -52,16 +155,20 @@ void declare(ParameterHandler& prm) {
     real("Height", "10", tiny, any, "of the brick, along y [length]");
     whole("Layers", "16", 1, 100000, "of the cylinder's coarsest mesh, which has 5 cells a layer [-]");
     whole("Refinements", "2", 0, 8, "of the cylinder: each makes eight cells of one [-]");
-    list("Cells", "4, 4, 4", Patterns::Integer(1, 10000), 3, 3, "of the brick along x, y, z [-]");
-    text("File", "", "the mesh, if Kind = file; relative to the folder the program is started in");
+    list("Cells", "4, 4, 4", Patterns::Integer(1, 10000), "three whole numbers from 1 to 10000", 3, 3,
+         "of the brick along x, y, z [-]");
+    word("File", "", "the mesh, if Kind = file; relative to the folder the program is started in");
   });
   section("Muscle", [&] {
-    real("c1", "16", -any, any, "first Lame constant, > -2/3 c2 [stress]");
-    real("c2", "4", tiny, any, "second Lame constant [stress]");
-    real("tau", "0.5", tiny, any, "time constant of growth [time]");
-    real("gamma", "2", 0, any, "shape exponent of the adaptation function [-]");
-    real("G_max", "1.1", 1 + 1e-12, any, "largest relative serial sarcomere number [-]");
-    real("lambda_crit", "1.01", tiny, any, "elastic fibre stretch above which sarcomeres are added [-]");
+    const myogrowth::FibreGrowth<> paper;  // its defaults
+    for (int i = 0; i < abi::n_props; ++i) {
+      myogrowth::FibreGrowth<> m = paper;
+      const double* start = abi::parameter(m, i);
+      const abi::Property& p = abi::property(i);
+      if (start)
+        real(p.symbol, common::text_of(*start), -any, any,
+             std::string(p.meaning) + "; " + abi::text(p.allowed) + " [" + p.unit + "]");
+    }
     choice("Energy", "reference", "reference|grown", "the volume that the elastic energy is counted per");
     choice("Integration", "second order", "backward Euler|second order", "of growth in time");
     choice("Volume", "pointwise", "pointwise|mean dilatation",
@@ -76,16 +183,20 @@ void declare(ParameterHandler& prm) {
            "uniform: Direction; oblique: at Angle to z in the x-z plane; pennate: the same, inclined towards "
            "the plane x = 0 "
            "from either side; function: of the place; file: rows of x y z n1 n2 n3, the nearest row holds");
-    list("Direction", "0, 0, 1", Patterns::Double(), 3, 3, "any length > 0");
+    list("Direction", "0, 0, 1", Patterns::Double(), "three numbers", 3, 3, "any length > 0");
     real("Angle", "0", -90, 90, "[degrees]");
-    text("Function", "0; 0; 1", "three expressions in x, y, z, parted by semicolons; any length > 0");
-    text("File", "", "relative to the folder the program is started in");
+    word("Function", "0; 0; 1", "three expressions in x, y, z, parted by semicolons; any length > 0");
+    word("File", "", "relative to the folder the program is started in");
   });
   section("Ends", [&] {
     choice("Kind", "clamped", "clamped|free|mixed",
            "clamped; free to contract in their planes; mixed: the proximal end clamped, the distal one free "
            "to contract");
     real("Pull", "40", -any, any, "displacement of the distal end along z at the end of the ramp [length]");
+    real(
+        "Tolerance", "0.01", tiny, 0.4,
+        "nodes that are no farther from the plane of an end are of that end, over the least height of a cell "
+        "along z [-]");
   });
   section("Time", [&] {
     real("Ramp", "1", tiny, any, "until when the pull grows, linearly; then it is held [time]");
@@ -96,7 +207,7 @@ void declare(ParameterHandler& prm) {
     real("Longest", "4", tiny, any,
          "no step is longer; while the pull grows, none is longer than a tenth of Ramp [time]");
     real("Tolerance", "1e-4", tiny, 1, "of the time error of G in a step, as the library estimates it [-]");
-    list("Times", "", Patterns::Double(0, any), 0, 1000000,
+    list("Times", "", Patterns::Double(tiny, any), "numbers > 0", 0, 1000000,
          "ends of the steps; the last one takes the place of End [time]");
   });
   section("Solver", [&] {
@@ -117,28 +228,18 @@ void declare(ParameterHandler& prm) {
         "deal.II, a tangent at every check of Newton's method; pointwise Volume and Preconditioner ML only");
   });
   section("Output", [&] {
-    text("Folder", "out/mpi", "of all results; made if it is not there");
-    list("Times", "1, 7, 14, 28, 42", Patterns::Double(0, any), 0, 10000,
+    word("Folder", "out/mpi", "of all results; made if it is not there");
+    list("Times", "1, 7, 14, 28, 42", Patterns::Double(tiny, any), "numbers > 0", 0, 10000,
          "when fields are written, beside the end; steps end there; empty: none at all [time]");
     whole("Checkpoint every", "20", 0, 1000000, "so many steps; 0: only on SIGTERM or SIGUSR1 [-]");
-    prm.declare_entry("Resume", "false", Patterns::Bool(),
-                      "go on from the checkpoint in Folder, on any number of ranks");
+    choice("Resume", "false", "false|true|force",
+           "true: go on from the checkpoint in Folder, on any number of ranks, if mesh, muscle and pull are "
+           "those of its run; force: also if they are not");
   });
 }
 
 std::vector<double> numbers(const std::string& text) {
   return dealii::Utilities::string_to_double(dealii::Utilities::split_string_list(text));
-}
-
-template <class T>
-std::string said(const std::string& entry, const T& value, const std::string& allowed) {
-  std::ostringstream out;
-  out << entry << " = " << value << ": must be " << allowed;
-  return out.str();
-}
-
-void check(bool good, const std::string& message) {
-  if (!good) throw Error(message);
 }
 
 Parameters values(ParameterHandler& prm) {
@@ -156,12 +257,9 @@ Parameters values(ParameterHandler& prm) {
   prm.leave_subsection();
 
   prm.enter_subsection("Muscle");
-  p.muscle.c1 = prm.get_double("c1");
-  p.muscle.c2 = prm.get_double("c2");
-  p.muscle.growth.growth_time = prm.get_double("tau");
-  p.muscle.growth.gamma = prm.get_double("gamma");
-  p.muscle.growth.G_max = prm.get_double("G_max");
-  p.muscle.growth.lambda_crit = prm.get_double("lambda_crit");
+  for (int i = 0; i < abi::n_props; ++i) {
+    if (double* parameter = abi::parameter(p.muscle, i)) *parameter = prm.get_double(abi::property(i).symbol);
+  }
   p.muscle.energy = prm.get("Energy") == "grown" ? myogrowth::EnergyPer::grown_volume
                                                  : myogrowth::EnergyPer::reference_volume;
   p.muscle.integration = prm.get("Integration") == "second order"
@@ -186,6 +284,7 @@ Parameters values(ParameterHandler& prm) {
   prm.enter_subsection("Ends");
   p.ends = prm.get("Kind");
   p.pull = prm.get_double("Pull");
+  p.ends_tolerance = prm.get_double("Tolerance");
   prm.leave_subsection();
 
   prm.enter_subsection("Time");
@@ -211,83 +310,124 @@ Parameters values(ParameterHandler& prm) {
   p.folder = prm.get("Folder");
   p.output_times = numbers(prm.get("Times"));
   p.checkpoint_every = static_cast<int>(prm.get_integer("Checkpoint every"));
-  p.resume = prm.get_bool("Resume");
+  p.resume = prm.get("Resume") != "false";
+  p.force = prm.get("Resume") == "force";
   prm.leave_subsection();
   return p;
 }
 
 /// What one entry's range cannot say.
-void check_together(Parameters& p) {
-  check(3 * p.muscle.c1 > -2 * p.muscle.c2,
-        said("Muscle/c1", p.muscle.c1, "> -2/3 c2 (positive bulk modulus)"));
-  check(p.geometry.kind != "file" || !p.geometry.file.empty(),
-        "Geometry/File is empty: Geometry/Kind = file needs it");
-  check(p.fibre.kind != "file" || !p.fibre.file.empty(), "Fibre/File is empty: Fibre/Kind = file needs it");
+void check_together(const Entries& entries, Parameters& p) {
+  const auto check = [&](bool good, const std::string& entry, const std::string& allowed) {
+    entries.check(good, entry, allowed);
+  };
+  double props[abi::n_props];
+  abi::write(p.muscle, props);
+  const int bad = abi::find_bad_entry(props);
+  if (bad >= 0)
+    check(false, std::string("Muscle/") + abi::property(bad).symbol, abi::text(abi::property(bad).allowed));
+  const auto& g = p.geometry;
+  check(g.kind != "file" || !g.file.empty(), "Geometry/File", "the name of a file with Geometry/Kind = file");
+  // More do not fit deal.II's 32-bit numbers of unknowns.
+  constexpr double most_cells = 1e9;
+  check(g.kind != "cylinder" || 5. * g.layers * std::pow(8, g.refinements) <= most_cells,
+        "Geometry/Refinements", "smaller with these Layers: more than 1e9 cells");
+  check(g.kind != "brick" || 1. * g.cells[0] * g.cells[1] * g.cells[2] <= most_cells, "Geometry/Cells",
+        "smaller: more than 1e9 cells");
+  check(p.fibre.kind != "file" || !p.fibre.file.empty(), "Fibre/File",
+        "the name of a file with Fibre/Kind = file");
   check(p.fibre.direction[0] != 0 || p.fibre.direction[1] != 0 || p.fibre.direction[2] != 0,
-        "Fibre/Direction = 0, 0, 0: must be of a length > 0");
-  check(p.geometry.kind == "file" || 2 * p.tendon_length < p.geometry.length,
-        said("Tendon/Length", p.tendon_length, "less than half of Geometry/Length"));
-  check(p.geometry.kind == "file" || p.pull > -p.geometry.length,
-        said("Ends/Pull", p.pull, "> -Geometry/Length"));
+        "Fibre/Direction", "of a length > 0");
+  check(g.kind == "file" || 2 * p.tendon_length < g.length, "Tendon/Length",
+        "less than half of Geometry/Length");
+  check(g.kind == "file" || p.pull > -g.length, "Ends/Pull", "> -Geometry/Length");
+
   if (p.steps == "listed") {
-    check(!p.times.empty(), "Time/Times is empty: Time/Steps = listed needs it");
-    double before = 0;
-    for (double t : p.times) {
-      check(t > before, said("Time/Times: an entry", t, "greater than the one before, and > 0"));
-      before = t;
-    }
+    check(!p.times.empty(), "Time/Times", "at least one time with Time/Steps = listed");
     p.end = p.times.back();
+  } else {
+    check(p.end >= p.ramp, "Time/End", ">= Time/Ramp");
   }
-  check(p.end >= p.ramp || p.steps == "listed", said("Time/End", p.end, ">= Time/Ramp"));
-  check(!(p.dense && p.volume == Volume::mean_dilatation),
-        "Solver/Assembly = dense: must be compact with Muscle/Volume = mean dilatation");
-  check(!(p.dense && p.solver == "GAMG"),
-        "Solver/Assembly = dense: must be compact with Solver/Preconditioner = GAMG");
+  // A run of more steps would not end in a year.
+  const double least = shortest_step * p.end;
+  const std::string of_end = ">= 1e-9 of the end, which is at " + common::text_of(p.end);
+  check(p.ramp >= least, "Time/Ramp", of_end);
+  check(p.steps == "listed" || p.step >= least, "Time/Step", of_end);
+  check(p.steps != "fixed" || p.end <= most_steps * p.step, "Time/Step",
+        "longer: more than a million steps to the end, which is at " + common::text_of(p.end));
+  check(p.steps != "adaptive" || p.end <= most_steps * p.longest_step, "Time/Longest",
+        "longer: more than a million steps to the end, which is at " + common::text_of(p.end));
+  for (std::size_t i = 0; i < p.times.size() && p.steps == "listed"; ++i) {
+    check(p.times[i] - (i > 0 ? p.times[i - 1] : 0) >= least, "Time/Times",
+          "each greater than the one before by 1e-9 of the last, and > 0; " + common::text_of(p.times[i]) +
+              " is not");
+  }
+  std::sort(p.output_times.begin(), p.output_times.end());
+  for (std::size_t i = 0; i < p.output_times.size(); ++i) {
+    check(p.output_times[i] - (i > 0 ? p.output_times[i - 1] : 0) >= least, "Output/Times",
+          "apart by 1e-9 of the end, and > 0; " + common::text_of(p.output_times[i]) + " is not");
+  }
+
+  check(!(p.dense && p.volume == Volume::mean_dilatation), "Solver/Assembly",
+        "compact with Muscle/Volume = mean dilatation");
+  check(!(p.dense && p.solver == "GAMG"), "Solver/Assembly", "compact with Solver/Preconditioner = GAMG");
 #ifndef DEAL_II_WITH_PETSC
-  check(p.solver != "GAMG", "Solver/Preconditioner = GAMG: must be ML, this deal.II has no PETSc");
+  check(p.solver != "GAMG", "Solver/Preconditioner", "ML, this deal.II has no PETSc");
 #endif
+  check(!p.folder.empty(), "Output/Folder", "the name of a folder");
+}
+
+void Entries::read(const std::string& path) {
+  common::Rows rows(path, common::Separator::blanks);
+  std::map<std::string, std::string> places;  // of the sections
+  std::string section;
+  while (rows.next()) {
+    const std::string word = rows.text(0, "a word");
+    if (word == "subsection" && section.empty()) {
+      section = rows.text_from(1, "the name of a section");
+      if (std::none_of(all_.begin(), all_.end(), [&](const Entry& e) { return e.section == section; }))
+        rows.unexpected(1, "a section: Geometry, Muscle, Tendon, Fibre, Ends, Time, Solver or Output");
+      if (!places.emplace(section, rows.place(1)).second)
+        rows.fail(1, "section " + section + " is there already, in " + places[section]);
+    } else if (word == "set" && !section.empty()) {
+      const std::string assignment = rows.text_from(1, "ENTRY = VALUE");
+      const std::size_t equals = assignment.find('=');
+      if (equals == std::string::npos) rows.unexpected(1, "ENTRY = VALUE");
+      using dealii::Utilities::trim;
+      set(section, trim(assignment.substr(0, equals)), trim(assignment.substr(equals + 1)), rows.place(1));
+    } else if (word == "end" && !section.empty()) {
+      rows.ends_after(1);
+      section.clear();
+    } else {
+      rows.unexpected(0,
+                      section.empty() ? "'subsection NAME'" : "'set ENTRY = VALUE' or 'end' of " + section);
+    }
+  }
+  if (!section.empty()) throw Error(path + ": section " + section + " has no 'end'");
 }
 
 }  // namespace
 
 Parameters read_parameters(const std::string& file, const std::vector<std::string>& overrides) {
-  ParameterHandler prm;
-  declare(prm);
-  std::string now;  // the argument that is read
-  try {
-    if (!file.empty()) {
-      check(std::ifstream(file).good(), file + ": cannot be read");
-      prm.parse_input(file);
-    }
-    for (const std::string& argument : overrides) {
-      now = argument;
-      const std::size_t slash = argument.find('/'), equals = argument.find('=');
-      check(slash < equals && equals != std::string::npos, argument + ": must be Section/Entry=value");
-      prm.parse_input_from_string("subsection " + argument.substr(0, slash) + "\nset " +
-                                  argument.substr(slash + 1, equals - slash - 1) + " = " +
-                                  argument.substr(equals + 1) + "\nend\n");
-    }
-    Parameters p = values(prm);
-    check_together(p);
-    return p;
-  } catch (const dealii::ExceptionBase& e) {
-    // deal.II's text, without its line breaks; of an argument it does not know but a line of its own.
-    std::ostringstream text;
-    e.print_info(text);
-    std::istringstream words(text.str());
-    std::string line, word;
-    while (words >> word) line += (line.empty() ? "" : " ") + word;
-    const std::size_t of_argument = line.find("of file <input string>: ");
-    if (of_argument != std::string::npos) line = now + ": " + line.substr(of_argument + 24);
-    throw Error(line);
+  Entries entries;
+  if (!file.empty()) entries.read(file);
+  for (const std::string& argument : overrides) {
+    const std::size_t slash = argument.find('/'), equals = argument.find('=');
+    if (slash >= equals || equals == std::string::npos)
+      throw Error(common::visible(argument) + ": must be Section/Entry=value");
+    entries.set(argument.substr(0, slash), argument.substr(slash + 1, equals - slash - 1),
+                argument.substr(equals + 1), "");
   }
+  Parameters p = values(entries.prm());
+  check_together(entries, p);
+  p.entries = entries.texts();
+  return p;
 }
 
 std::string parameters_help() {
-  ParameterHandler prm;
-  declare(prm);
+  Entries entries;
   std::ostringstream out;
-  prm.print_parameters(out, ParameterHandler::PRM | ParameterHandler::KeepDeclarationOrder);
+  entries.prm().print_parameters(out, ParameterHandler::PRM | ParameterHandler::KeepDeclarationOrder);
   return out.str();
 }
 

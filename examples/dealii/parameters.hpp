@@ -3,19 +3,26 @@
 #ifndef MYOGROWTH_DEALII_PARAMETERS_HPP
 #define MYOGROWTH_DEALII_PARAMETERS_HPP
 
+#include <cstdio>
 #include <myogrowth/kernel.hpp>
-#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "element.hpp"
+#include "ranks.hpp"
 
 namespace muscle {
 
-/// What ends the job, in words for the user. Thrown on all ranks alike, or on none.
-struct Error : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+/// A number as printf writes it.
+inline std::string number(const char* format, double x) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, x);
+  return text;
+}
+
+/// The shortest step, over the time of the end, and the largest number of steps that a run may ask for.
+constexpr double shortest_step = 1e-9, most_steps = 1e6;
 
 struct Parameters {
   struct Geometry {
@@ -42,6 +49,8 @@ struct Parameters {
 
   std::string ends;  ///< clamped, free or mixed
   double pull;       ///< displacement of the distal end [length]
+  double
+      ends_tolerance;  ///< how far from an end's plane its nodes may be, over the least height of a cell [-]
 
   double ramp, end;           ///< [time]
   std::string steps;          ///< adaptive, fixed or listed
@@ -59,7 +68,12 @@ struct Parameters {
   std::string folder;
   std::vector<double> output_times;
   int checkpoint_every;  ///< steps; 0: only when asked to end
-  bool resume;
+  bool resume;           ///< go on from the checkpoint
+  bool force;            ///< even if it is one of another run
+
+  /// All entries, "Section/Entry" and value, numbers in their shortest form: what a checkpoint says of its
+  /// run.
+  std::vector<std::pair<std::string, std::string>> entries;
 };
 
 /// Reads a file and "Section/Entry=value" arguments. Throws Error that names the entry, its value and what is

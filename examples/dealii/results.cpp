@@ -1,15 +1,16 @@
-// What a run leaves behind: history.csv, newton.csv, fields for ParaView, the checkpoint, summary.json, and
-// what it says.
+// What a run leaves behind, but for its checkpoint: history.csv, newton.csv, fields for ParaView,
+// summary.json, and what it says.
 #include <deal.II/base/utilities.h>
 #include <deal.II/numerics/data_out.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
+#include <filesystem>
 #include <iostream>
 #include <sstream>
 
+#include "../common/rows.hpp"
 #include "muscle.hpp"
 
 namespace muscle {
@@ -18,25 +19,48 @@ using namespace dealii;
 
 namespace {
 
-std::string number(const char* format, double x) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, x);
-  return text;
+const char* const history_columns =
+    "time,reaction,lambda_e_max,lambda_e_mean,lambda_e_min,G_max,G_mean,G_min,x,y,z";
+const char* const newton_columns = "time,iteration,residual,krylov";
+
+/// Writes a whole file in the place of an older one, which is there until the new one is whole.
+void replace_file(const std::string& path, const std::string& text) {
+  const std::string part = path + ".part";
+  common::write_file(part, text);
+  if (std::rename(part.c_str(), path.c_str()) != 0) common::cannot_be(path, "written");
 }
 
-/// A checkpoint: the header, a key for every cell, and in the same order a record for every cell.
-struct Header {
-  char magic[8] = {'m', 'y', 'o', 'g', 'r', 'm', 'p', 'i'};
-  std::uint64_t cells = 0;
-  std::int64_t steps = 0;
-  double time = 0, dt = 0;
-};
-struct Record {
-  double G[most_points] = {}, lambda[most_points] = {}, u[3 * most_nodes] = {};
-};
+void append(const std::string& path, const std::string& text) {
+  common::Output out(path, "a");
+  out << text;
+  out.close();
+}
 
-void io(int result, const std::string& path, const char* what) {
-  if (result != MPI_SUCCESS) throw Error(path + ": cannot be " + what);
+/// The rows of a CSV file of an earlier run that a resumed one goes on from: those up to `time`, as `keep`
+/// says. What is no row is dropped, and told by `tell`.
+template <class Keep, class Tell>
+std::string rows_to_keep(const std::string& path, const std::string& columns, const Keep& keep,
+                         const Tell& tell) {
+  std::string kept;
+  if (!std::filesystem::exists(path)) {
+    tell(path + ": is not there; its rows begin now");
+    return kept;
+  }
+  common::Rows rows(path, common::Separator::comma);
+  const auto n = static_cast<std::size_t>(std::count(columns.begin(), columns.end(), ',') + 1);
+  if (!rows.next() || rows.text_from(0, columns) != columns)
+    throw Error(rows.place(0) + ": must be " + columns);
+  while (rows.next()) {
+    try {
+      double time = rows.number(0, "the time");
+      for (std::size_t i = 1; i < n; ++i) rows.number(i, "column " + std::to_string(i + 1));
+      rows.ends_after(n);
+      if (keep(time)) kept += rows.text_from(0, columns) + "\n";
+    } catch (const Error& e) {
+      tell(std::string(e.what()) + "; the row is dropped");
+    }
+  }
+  return kept;
 }
 
 }  // namespace
@@ -47,7 +71,7 @@ void Muscle::say(const std::string& line) const {
 
 /// A row of CalculiX's example, whose columns these are: extremes over the points of the muscle, means over
 /// its volume before the deformation, the axial reaction, and where lambda_e is largest.
-void Muscle::write_history() {
+void Muscle::write_history() const {
   const double least = std::numeric_limits<double>::lowest();
   std::array<double, 4> largest = {{least, least, least, least}};  // lambda_e, -lambda_e, G, -G
   std::array<double, 3> sums = {{0, 0, 0}};                        // volume, lambda_e, G
@@ -76,38 +100,49 @@ void Muscle::write_history() {
   });
   const auto all = Utilities::MPI::all_gather(comm_, place);
   place = *std::min_element(all.begin(), all.end());
-  if (rank_ != 0) return;
-  std::ofstream out(parameters_.folder + "/history.csv", std::ios::app);
   const double row[11] = {time_,       reaction_,  largest[0],        sums[1] / sums[0],
                           -largest[1], largest[2], sums[2] / sums[0], -largest[3],
                           place[2],    place[1],   place[0]};
-  for (int i = 0; i < 11; ++i) out << (i ? "," : "") << number("%.13g", row[i]);
-  out << std::endl;
-  if (!out) std::cerr << parameters_.folder << "/history.csv: cannot be written" << std::endl;
+  std::string text;
+  for (int i = 0; i < 11; ++i) text += (i ? "," : "") + number("%.13g", row[i]);
+  on_first(comm_, [&] { append(parameters_.folder + "/history.csv", text + "\n"); });
 }
 
-void Muscle::log_newton(int iteration, double residual, int krylov) {
-  if (rank_ != 0) return;
-  std::ofstream out(parameters_.folder + "/newton.csv", std::ios::app);
-  out << number("%.13g", time_) << ',' << iteration << ',' << number("%.6g", residual) << ',' << krylov
-      << '\n';
+void Muscle::log_newton(int iteration, double residual, int krylov) const {
+  on_first(comm_, [&] {
+    append(parameters_.folder + "/newton.csv", number("%.13g", time_) + "," + std::to_string(iteration) +
+                                                   "," + number("%.6g", residual) + "," +
+                                                   std::to_string(krylov) + "\n");
+  });
 }
 
-/// Empties a CSV file, but for the rows that a resumed run goes on from.
-void Muscle::keep_rows_until_now(const std::string& name, const std::string& header) const {
-  if (rank_ != 0) return;
-  const std::string path = parameters_.folder + "/" + name;
-  std::vector<std::string> rows;
-  std::ifstream in(path);
-  std::string line;
-  if (parameters_.resume) std::getline(in, line);
-  while (parameters_.resume && std::getline(in, line)) {
-    const bool is_of_step_to_come = name == "newton.csv" && std::atof(line.c_str()) >= time_ * (1 - 1e-9);
-    if (std::atof(line.c_str()) <= time_ * (1 + 1e-9) && !is_of_step_to_come) rows.push_back(line);
-  }
-  std::ofstream out(path);
-  out << header << '\n';
-  for (const std::string& row : rows) out << row << '\n';
+/// Starts history.csv and newton.csv, with the rows that a resumed run goes on from.
+void Muscle::start_rows() const {
+  on_first(comm_, [&] {
+    const std::string history = parameters_.folder + "/history.csv",
+                      newton = parameters_.folder + "/newton.csv";
+    std::string rows, checks;
+    if (parameters_.resume) {
+      const auto tell = [&](const std::string& line) { say(line); };
+      int n = 0;
+      rows = rows_to_keep(
+          history, history_columns,
+          [&](double t) {
+            const bool past = t <= time_ * (1 + 1e-9);
+            n += past;
+            return past;
+          },
+          tell);
+      if (n != costs_.steps)
+        say(history + ": has " + std::to_string(n) + " rows up to time " + number("%g", time_) +
+            ", the run made " + std::to_string(costs_.steps) + " steps" +
+            (n < costs_.steps ? ": rows are missing" : ": there are rows that it did not write"));
+      checks = rows_to_keep(
+          newton, newton_columns, [&](double t) { return t < time_ * (1 - 1e-9); }, tell);
+    }
+    replace_file(history, std::string(history_columns) + "\n" + rows);
+    replace_file(newton, std::string(newton_columns) + "\n" + checks);
+  });
 }
 
 void Muscle::write_fields() {
@@ -144,129 +179,36 @@ void Muscle::write_fields() {
   for (unsigned i = 0; i < 3; ++i) out.add_data_vector(fibre[i], components[i], DataOut<3>::type_cell_data);
   out.add_data_vector(tendon, "tendon", DataOut<3>::type_cell_data);
   out.build_patches(mappings_);
-  const std::string name = "day_" + number("%g", time_);
-  const unsigned ranks = Utilities::MPI::n_mpi_processes(comm_);
-  for (unsigned r = 0; r < ranks; ++r) {
-    if (r != rank_) continue;
-    std::ofstream file(parameters_.folder + "/" + name + "." + std::to_string(rank_) + ".vtu");
+  const std::string name = "day_" + number("%.10g", time_), folder = parameters_.folder + "/";
+  together(comm_, [&] {
+    common::Output file(folder + name + "." + std::to_string(rank_) + ".vtu");
     out.write_vtu(file);
-  }
-  if (rank_ != 0) return;
-  std::vector<std::string> pieces;
-  for (unsigned r = 0; r < ranks; ++r) pieces.push_back(name + "." + std::to_string(r) + ".vtu");
-  std::ofstream record(parameters_.folder + "/" + name + ".pvtu");
-  out.write_pvtu_record(record, pieces);
-  written_.emplace_back(time_, name + ".pvtu");
-  std::ofstream collection(parameters_.folder + "/muscle.pvd");
-  DataOutBase::write_pvd_record(collection, written_);
+    file.close();
+  });
+  on_first(comm_, [&] {
+    std::vector<std::string> pieces;
+    for (unsigned r = 0; r < Utilities::MPI::n_mpi_processes(comm_); ++r)
+      pieces.push_back(name + "." + std::to_string(r) + ".vtu");
+    std::ostringstream record, collection;
+    out.write_pvtu_record(record, pieces);
+    replace_file(folder + name + ".pvtu", record.str());
+    written_.emplace_back(time_, name + ".pvtu");
+    DataOutBase::write_pvd_record(collection, written_);
+    replace_file(folder + "muscle.pvd", collection.str());
+  });
 }
 
-void Muscle::write_checkpoint() {
-  const std::string path = parameters_.folder + "/checkpoint", part = path + ".part";
-  Header header;
-  header.cells = mesh_->n_global_active_cells();
-  header.steps = costs_.steps;
-  header.time = time_;
-  header.dt = dt_;
-  std::vector<std::uint64_t> keys;
-  std::vector<Record> records;
-  for (const Group& group : groups_) {
-    for (std::size_t c = group.first_cell; c < group.first_cell + group.n; ++c) {
-      keys.push_back(cell_key(cells_[c]->id()));
-      Record r;
-      for (std::size_t q = 0; q < static_cast<std::size_t>(n_points(group.shape)); ++q) {
-        r.G[q] = G_n_[first_point_[c] + q];
-        r.lambda[q] = lambda_n_[first_point_[c] + q];
-      }
-      const std::vector<unsigned>& nodes = unknowns_->cell_nodes[c];
-      for (std::size_t k = 0; k < 3 * nodes.size(); ++k)
-        r.u[k] = u_.local_element(nodes[k / 3] + static_cast<unsigned>(k % 3));
-      records.push_back(r);
+/// The fields that a resumed run's earlier part has written.
+void Muscle::find_fields() {
+  for (const double t : parameters_.output_times) {
+    if (t > time_) continue;
+    const std::string name = "day_" + number("%.10g", t) + ".pvtu";
+    if (std::filesystem::exists(parameters_.folder + "/" + name)) {
+      written_.emplace_back(t, name);
+    } else {
+      say(parameters_.folder + "/" + name + ": is not there; muscle.pvd will not list it");
     }
   }
-  const std::uint64_t n = keys.size();
-  std::uint64_t before = 0;
-  MPI_Exscan(&n, &before, 1, MPI_UINT64_T, MPI_SUM, comm_);
-  MPI_Datatype record;
-  MPI_Type_contiguous(sizeof(Record), MPI_BYTE, &record);
-  MPI_Type_commit(&record);
-  MPI_File file;
-  io(MPI_File_open(comm_, part.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file), part,
-     "written");
-  const auto offset = [](std::uint64_t bytes) { return static_cast<MPI_Offset>(bytes); };
-  int result = MPI_SUCCESS;
-  if (rank_ == 0) result = MPI_File_write_at(file, 0, &header, sizeof header, MPI_BYTE, MPI_STATUS_IGNORE);
-  const int keys_result = MPI_File_write_at_all(file, offset(sizeof header + 8 * before), keys.data(),
-                                                static_cast<int>(n), MPI_UINT64_T, MPI_STATUS_IGNORE);
-  const int records_result =
-      MPI_File_write_at_all(file, offset(sizeof header + 8 * header.cells + sizeof(Record) * before),
-                            records.data(), static_cast<int>(n), record, MPI_STATUS_IGNORE);
-  MPI_Type_free(&record);
-  const int close_result = MPI_File_close(&file);
-  const bool bad = result != MPI_SUCCESS || keys_result != MPI_SUCCESS || records_result != MPI_SUCCESS ||
-                   close_result != MPI_SUCCESS;
-  if (Utilities::MPI::max(bad ? 1 : 0, comm_) != 0) throw Error(part + ": cannot be written");
-  // The old checkpoint is there until the new one is whole.
-  if (rank_ == 0) std::rename(part.c_str(), path.c_str());
-}
-
-void Muscle::read_checkpoint() {
-  const std::string path = parameters_.folder + "/checkpoint";
-  MPI_File file;
-  io(MPI_File_open(comm_, path.c_str(), MPI_MODE_RDONLY, MPI_INFO_NULL, &file), path, "read");
-  const Header wanted;
-  Header header;
-  MPI_File_read_at_all(file, 0, &header, sizeof header, MPI_BYTE, MPI_STATUS_IGNORE);
-  if (!std::equal(wanted.magic, wanted.magic + 8, header.magic)) throw Error(path + ": is not a checkpoint");
-  if (header.cells != mesh_->n_global_active_cells()) {
-    throw Error(path + ": has " + std::to_string(header.cells) + " cells, the mesh has " +
-                std::to_string(mesh_->n_global_active_cells()));
-  }
-  MPI_Offset size;
-  MPI_File_get_size(file, &size);
-  if (static_cast<std::uint64_t>(size) != sizeof header + (8 + sizeof(Record)) * header.cells)
-    throw Error(path + ": is cut short");
-  std::vector<std::uint64_t> keys(header.cells);
-  MPI_File_read_at_all(file, sizeof header, keys.data(), static_cast<int>(keys.size()), MPI_UINT64_T,
-                       MPI_STATUS_IGNORE);
-  std::map<std::uint64_t, std::uint64_t> row_of;
-  for (std::uint64_t row = 0; row < keys.size(); ++row) row_of[keys[row]] = row;
-  std::string missing;
-  for (const Group& group : groups_) {
-    for (std::size_t c = group.first_cell; c < group.first_cell + group.n && missing.empty(); ++c) {
-      const auto found = row_of.find(cell_key(cells_[c]->id()));
-      if (found == row_of.end()) {
-        std::ostringstream text;
-        text << path << ": has no cell " << cells_[c]->id();
-        missing = text.str();
-        break;
-      }
-      Record r;
-      MPI_File_read_at(
-          file, static_cast<MPI_Offset>(sizeof header + 8 * header.cells + sizeof(Record) * found->second),
-          &r, sizeof r, MPI_BYTE, MPI_STATUS_IGNORE);
-      for (std::size_t q = 0; q < static_cast<std::size_t>(n_points(group.shape)); ++q) {
-        G_n_[first_point_[c] + q] = r.G[q];
-        lambda_n_[first_point_[c] + q] = r.lambda[q];
-      }
-      const std::vector<unsigned>& nodes = unknowns_->cell_nodes[c];
-      for (std::size_t k = 0; k < 3 * nodes.size(); ++k)
-        u_.local_element(nodes[k / 3] + static_cast<unsigned>(k % 3)) = r.u[k];
-    }
-  }
-  MPI_File_close(&file);
-  missing = failure_of_any(missing);
-  if (!missing.empty()) throw Error(missing);
-  u_.update_ghost_values();
-  u_n_ = u_;
-  time_ = header.time;
-  dt_ = header.dt;
-  costs_.steps = static_cast<int>(header.steps);
-  for (double t : parameters_.output_times) {
-    if (t <= time_) written_.emplace_back(t, "day_" + number("%g", t) + ".pvtu");
-  }
-  std::sort(written_.begin(), written_.end());
-  say("resumed at time " + number("%g", time_));
 }
 
 void Muscle::tell_progress(double seconds) const {
@@ -309,7 +251,7 @@ void Muscle::write_summary(double seconds) const {
            << number("%.0f", 100 * cpu[k].second / total) << " %)";
   }
   json << "}}\n";
-  if (rank_ == 0) std::ofstream(parameters_.folder + "/summary.json") << json.str();
+  on_first(comm_, [&] { replace_file(parameters_.folder + "/summary.json", json.str()); });
   say("CPU a rank: " + shares.str());
   say(std::to_string(costs_.steps) + " steps, " + std::to_string(costs_.cuts) + " cut, " +
       std::to_string(costs_.newton) + " Newton iterations, " + std::to_string(costs_.iterations) +
