@@ -81,17 +81,6 @@ int check(const double* props, int n_props, const Point& first, Common& common, 
   return MYOGROWTH_OK;
 }
 
-// What the step of a point starts from. A status, and the text, if that is not allowed.
-int find_start(const Common& common, const Point& p, double (&n0)[3], double& G, double& lambda,
-               abi::Text& text) {
-  for (int i = 0; i < 3; ++i) n0[i] = common.properties.n0[i];
-  if (abi::find_state_fault(p.state_in, common.n_state, common.properties, text)) return MYOGROWTH_BAD_STATE;
-  if (abi::find_fibre_fault(p.state_in, common.n_state, n0, text)) return MYOGROWTH_NO_FIBRE;
-  G = abi::number_at_start(p.state_in);
-  lambda = abi::stretch_at_start(p.state_in, common.n_state);
-  return MYOGROWTH_OK;
-}
-
 void write(const Common& common, const Point& p, const double (&state)[abi::n_kept], double psi) {
   if (p.energy) *p.energy = psi;
   const int n = abi::kept_entries(common.n_state);
@@ -109,22 +98,23 @@ int refuse(const Common& common, const Point& p, int status) {
 }
 
 int update(const Common& common, const Point& p, abi::Text& text) {
-  double n0[3], G, lambda, V[9];
-  const int fault = find_start(common, p, n0, G, lambda, text);
-  if (fault != MYOGROWTH_OK) return refuse(common, p, fault);
+  abi::Start start;
+  UpdateStatus status = abi::find_start(p.state_in, common.n_state, common.properties, start, text);
+  if (status != UpdateStatus::ok) return refuse(common, p, static_cast<int>(status));
+  double V[9];
   const bool turned = common.properties.local_basis && left_stretch(p.F, V);
   const double* F = turned ? V : p.F;
   PointUpdate<double> u;
-  Status status = update_point(common.properties.material, F, n0, G, lambda, common.dt, u);
+  status = update_point(common.properties.material, F, start.n0, start.G, start.lambda, common.dt, u);
   // det F can be 0 to the one and > 0 to the other, to rounding: F itself is then the wrong one.
-  if (status == Status::ok && common.properties.local_basis && !turned) status = Status::inverted;
-  if (status == Status::ok) {
+  if (status == UpdateStatus::ok && common.properties.local_basis && !turned) status = UpdateStatus::inverted;
+  if (status == UpdateStatus::ok) {
     abi::convert(common.measure, F, u, p.stress, p.tangent);
     const int n = common.n_stress;
     const bool finite = are_finite(p.stress, n) && (!p.tangent || are_finite(p.tangent, n * n));
-    if (!finite) status = Status::not_finite;
+    if (!finite) status = UpdateStatus::not_finite;
   }
-  if (status != Status::ok) {
+  if (status != UpdateStatus::ok) {
     abi::tell(text, "%s.", abi::text(status));
     return refuse(common, p, static_cast<int>(status));
   }
@@ -181,10 +171,11 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
   int failed = 0;
   abi::update_many(
       common.properties.material, dt, n_points, measure, tangent != nullptr,
-      [&](int i, double(&F_i)[9], double(&n0)[3], double& G, double& lambda) {
+      [&](int i, double(&F_i)[9], abi::Start& start) {
         const Point p = points.at(i, common);
         for (int c = 0; c < 9; ++c) F_i[c] = p.F[c];
-        return !common.properties.local_basis && find_start(common, p, n0, G, lambda, text) == MYOGROWTH_OK;
+        return !common.properties.local_basis &&
+               abi::find_start(p.state_in, n_state, common.properties, start, text) == UpdateStatus::ok;
       },
       [&](int i, const abi::BlockResult& r) {
         const Point p = points.at(i, common);
@@ -219,12 +210,12 @@ int myogrowth_uniaxial(const double* props, int n_props, double stretch, const d
   if (made == MYOGROWTH_OK) {
     PointUpdate<double> u;
     double side = lateral ? *lateral : 0, slope;
-    Status status = uniaxial_stress(common.properties.material, stretch, abi::number_at_start(state_in),
-                                    abi::stretch_at_start(state_in, n_state), dt, side, u, slope);
+    UpdateStatus status = uniaxial_stress(common.properties.material, stretch, abi::number_at_start(state_in),
+                                          abi::stretch_at_start(state_in, n_state), dt, side, u, slope);
     const double results[2] = {u.tau[0] / u.J, slope / u.J};
-    if (status == Status::ok && !are_finite(results, 2)) status = Status::not_finite;
+    if (status == UpdateStatus::ok && !are_finite(results, 2)) status = UpdateStatus::not_finite;
     made = static_cast<int>(status);
-    if (status == Status::ok) {
+    if (status == UpdateStatus::ok) {
       double state[abi::n_kept];
       abi::state_of(u, state);
       for (int i = abi::fibre_entry; i < abi::n_kept && abi::keeps_fibre(n_state); ++i)

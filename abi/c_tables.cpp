@@ -8,12 +8,12 @@ namespace {
 
 using namespace myogrowth;
 
-static_assert(MYOGROWTH_OK == static_cast<int>(Status::ok) &&
-                  MYOGROWTH_NOT_FINITE == static_cast<int>(Status::not_finite) &&
-                  MYOGROWTH_INVERTED == static_cast<int>(Status::inverted) &&
-                  MYOGROWTH_NO_FIBRE == static_cast<int>(Status::no_fibre) &&
-                  MYOGROWTH_BAD_STATE == static_cast<int>(Status::bad_state) &&
-                  MYOGROWTH_NOT_CONVERGED == static_cast<int>(Status::not_converged),
+static_assert(MYOGROWTH_OK == static_cast<int>(UpdateStatus::ok) &&
+                  MYOGROWTH_NOT_FINITE == static_cast<int>(UpdateStatus::not_finite) &&
+                  MYOGROWTH_INVERTED == static_cast<int>(UpdateStatus::inverted) &&
+                  MYOGROWTH_NO_FIBRE == static_cast<int>(UpdateStatus::no_fibre) &&
+                  MYOGROWTH_BAD_STATE == static_cast<int>(UpdateStatus::bad_state) &&
+                  MYOGROWTH_NOT_CONVERGED == static_cast<int>(UpdateStatus::not_converged),
               "the kernel's status is passed on as it is");
 
 const abi::Property* prop(int i) { return 0 <= i && i < abi::n_props ? &abi::property(i) : nullptr; }
@@ -33,7 +33,7 @@ const char* myogrowth_status_text(int status) {
   if (status == MYOGROWTH_BAD_PARAMETER) return "bad parameter: an entry of props is missing or not allowed";
   if (status == MYOGROWTH_BAD_ARGUMENT)
     return "bad argument: a NULL pointer, an unknown measure, or no room for the state";
-  return abi::text(static_cast<Status>(status));  // "unknown status" where it is none
+  return abi::text(static_cast<UpdateStatus>(status));  // "unknown status" where it is none
 }
 
 int myogrowth_stress_size(int measure) {

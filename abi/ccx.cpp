@@ -49,11 +49,12 @@ void update_point_of_ccx(const double* F_given, double dtime, const double* prop
                          int nstatev, double S[6], double dS_dE[36], double& pnewdt) {
   move_fibre(statev, nstatev);
   abi::Properties p;
+  abi::Start start;
   abi::Text text;
   if (abi::find_props_fault(props, nprops, p, text) || abi::find_hybrid_fault("CalculiX", p, text) ||
       abi::find_room_fault("*DEPVAR", nstatev, text) ||
       abi::find_stretch_fault("*DEPVAR", nstatev, p, text) ||
-      abi::find_state_fault(statev, nstatev, p, text) || abi::find_fibre_fault(statev, nstatev, p.n0, text)) {
+      abi::find_start(statev, nstatev, p, start, text) != UpdateStatus::ok) {
     end_job(text);
   }
   if (p.local_basis) {
@@ -63,14 +64,13 @@ void update_point_of_ccx(const double* F_given, double dtime, const double* prop
   }
 
   const double* F = abi::or_identity(F_given);
-  const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatev);
   PointUpdate<double> u;
   double factor = 1;
-  update_point(p.material, F, p.n0, G_n, lambda_n, dtime, u);
+  update_point(p.material, F, start.n0, start.G, start.lambda, dtime, u);
   const int second_piola = 2;
-  if (u.status == Status::ok) abi::convert(second_piola, F, u, S, dS_dE);
-  if (u.status == Status::ok && are_finite(S, 6) && are_finite(dS_dE, 36)) {
-    if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, u.lambda, dtime);
+  if (u.status == UpdateStatus::ok) abi::convert(second_piola, F, u, S, dS_dE);
+  if (u.status == UpdateStatus::ok && are_finite(S, 6) && are_finite(dS_dE, 36)) {
+    if (p.tolerance > 0) factor = abi::advised_factor(p, start.G, start.lambda, u.lambda, dtime);
     abi::write_state(u, statev, nstatev);
   } else {
     const double nan = std::numeric_limits<double>::quiet_NaN();

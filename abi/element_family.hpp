@@ -53,8 +53,9 @@ MYOGROWTH_APART inline void take_deformation(const double* dfgrd1, int ntens, do
 /// What a time step is made from.
 struct Step {
   const FibreGrowth<double>& material;
-  const double *F, *n0;
-  double G_n, lambda_n, dt;
+  const double* F;
+  const Start& start;
+  double dt;
 };
 
 /// The first n components of tau and of c, whose columns are `rows` long, times 1/J.
@@ -70,7 +71,8 @@ UpdateStatus pack(const double* tau, const double* c, int rows, double per_J, do
 
 /// Solids, NTENS = 6.
 inline UpdateStatus update_solid(const Step& s, PointUpdate<double>& u, double* stress, double* ddsdde) {
-  if (update_point(s.material, s.F, s.n0, s.G_n, s.lambda_n, s.dt, u) != UpdateStatus::ok) return u.status;
+  if (update_point(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, u) != UpdateStatus::ok)
+    return u.status;
   const double per_J = 1 / u.J;
   spatial_modulus(u, ddsdde, per_J);
   for (int i = 0; i < 6; ++i) stress[i] = u.tau[i] * per_J;
@@ -85,7 +87,8 @@ inline UpdateStatus update_solid(const Step& s, PointUpdate<double>& u, double* 
 /// Plane strain and axisymmetric elements, NTENS = 4.
 inline UpdateStatus update_plane_strain(const Step& s, PointUpdate<double>& u, double* stress,
                                         double* ddsdde) {
-  if (update_point(s.material, s.F, s.n0, s.G_n, s.lambda_n, s.dt, u) != UpdateStatus::ok) return u.status;
+  if (update_point(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, u) != UpdateStatus::ok)
+    return u.status;
   double c[36];
   spatial_modulus(u, c, 1 / u.J);
   for (double& t : u.tau) t *= 1 / u.J;
@@ -97,7 +100,7 @@ inline UpdateStatus update_plane_stress(const Step& s, double& thickness, PointU
                                         double* stress, double* ddsdde) {
   const double in_plane[4] = {s.F[0], s.F[1], s.F[3], s.F[4]};
   double c[9];
-  plane_stress(s.material, in_plane, s.n0, s.G_n, s.lambda_n, s.dt, thickness, u, c);
+  plane_stress(s.material, in_plane, s.start.n0, s.start.G, s.start.lambda, s.dt, thickness, u, c);
   if (u.status != UpdateStatus::ok) return u.status;
   const double plane[3] = {u.tau[0], u.tau[1], u.tau[3]};
   return pack<3>(plane, c, 3, 1 / u.J, stress, ddsdde);
@@ -109,10 +112,10 @@ inline UpdateStatus update_mixed_element(const Step& s, int ntens, double* J_hat
                                          double* stress, double* ddsdde) {
   MixedVolume<double> volume{1, std::numeric_limits<double>::quiet_NaN()};
   double c[36];
-  update_mixed(s.material, s.F, s.n0, s.G_n, s.lambda_n, s.dt, *J_hat, u, c, volume);
+  update_mixed(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, *J_hat, u, c, volume);
   if (u.status != UpdateStatus::ok) return u.status;
   J_hat[1] = volume.K;
-  J_hat[2] = mixed_dK_dJ(s.material, s.F, s.n0, s.G_n, s.lambda_n, s.dt, *J_hat);
+  J_hat[2] = mixed_dK_dJ(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, *J_hat);
   if (!are_finite(J_hat + 1, 2)) return UpdateStatus::not_finite;
   return ntens == 6 ? pack<6>(u.tau, c, 6, 1 / volume.J, stress, ddsdde)
                     : pack<4>(u.tau, c, 6, 1 / volume.J, stress, ddsdde);

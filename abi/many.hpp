@@ -68,11 +68,11 @@ struct BlockResult {
 };
 
 /// Updates many points: in packs those that packs can take, the others one by one.
-/// start(i, F, n0, G, lambda): what the step of point i starts from; false if packs are not to take it.
+/// begin(i, F, start): F and what the step of point i starts from; false if packs are not to take it.
 /// keep(i, result): false if the result is none for the host. alone(i): the update of all other points.
-template <class Start, class Keep, class Alone>
+template <class Begin, class Keep, class Alone>
 void update_many(const FibreGrowth<double>& m, double dt, int n_points, int measure, bool with_tangent,
-                 const Start& start, const Keep& keep, const Alone& alone) {
+                 const Begin& begin, const Keep& keep, const Alone& alone) {
   constexpr int size = myogrowth_block_points;
   const MyogrowthBlockMaterial material = block_material(m);
   const bool material_can = packs_can(m, dt);
@@ -82,13 +82,14 @@ void update_many(const FibreGrowth<double>& m, double dt, int n_points, int meas
     const int count = left < size ? left : size;
     bool done[size] = {};
     for (int k = 0; k < count && material_can; ++k) {
-      double F[9], n0[3], unit[3] = {1, 0, 0}, G = 1, lambda = 1;
-      done[k] = start(first + k, F, n0, G, lambda) && normalise(n0, unit) && packs_can(F, G);
+      Start start;
+      double F[9], unit[3] = {1, 0, 0};
+      done[k] = begin(first + k, F, start) && normalise(start.n0, unit) && packs_can(F, start.G);
       // Where it is not for packs, an undeformed point stands in its place.
       for (int i = 0; i < 9; ++i) block.F[k + size * i] = done[k] ? F[i] : i % 4 == 0 ? 1 : 0;
       for (int i = 0; i < 3; ++i) block.n0[k + size * i] = unit[i];
-      block.G[k] = done[k] ? G : 1;
-      block.lambda[k] = done[k] ? lambda : 1;
+      block.G[k] = done[k] ? start.G : 1;
+      block.lambda[k] = done[k] ? start.lambda : 1;
     }
     if (material_can) update_block()(&material, count, measure, with_tangent, &block);
     for (int k = 0; k < count; ++k) {

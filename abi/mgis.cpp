@@ -54,8 +54,8 @@ bool find_state_fault(const double* given, const Hypothesis& h, const abi::Prope
                    abi::state_variable(bad).symbol, statev[bad]);
 }
 
-Status update(const abi::Properties& p, const Hypothesis& h, const double* statev, double dt, double F[9],
-              PointUpdate<double>& u) {
+UpdateStatus update(const abi::Properties& p, const Hypothesis& h, const double* statev, double dt,
+                    double F[9], PointUpdate<double>& u) {
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, abi::n_statev);
   if (!h.plane_stress) return update_point(p.material, F, p.n0, G_n, lambda_n, dt, u);
   const double in_plane[4] = {F[0], F[1], F[3], F[4]};
@@ -99,15 +99,15 @@ int integrate(const Hypothesis& h, BehaviourData& d) {
   const double dt = request.only_prediction && !request.with_growth ? 0 : d.dt;
   PointUpdate<double> u;
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, abi::n_statev);
-  Status status = update(properties, h, statev, dt, F, u);
+  UpdateStatus status = update(properties, h, statev, dt, F, u);
 
   double stress[9], K[81];
   const int n_stress = h.n_stress(request.measure), n_operator = h.n_operator(request.tangent);
-  if (status == Status::ok) {
+  if (status == UpdateStatus::ok) {
     write_stress(request.measure, h, F, u, stress);
-    if (!are_finite(stress, n_stress)) status = Status::not_finite;
+    if (!are_finite(stress, n_stress)) status = UpdateStatus::not_finite;
   }
-  if (status == Status::ok && request.with_operator) {
+  if (status == UpdateStatus::ok && request.with_operator) {
     double c[36];
     PointUpdate<double> v = u;
     if (!request.with_growth) v.dG_dlambda = 0;
@@ -117,9 +117,9 @@ int integrate(const Hypothesis& h, BehaviourData& d) {
     } else {
       write_dX_dF(request.tangent, h, F, F0, v, c, K);
     }
-    if (!are_finite(K, n_operator)) status = Status::not_finite;
+    if (!are_finite(K, n_operator)) status = UpdateStatus::not_finite;
   }
-  if (status != Status::ok) {
+  if (status != UpdateStatus::ok) {
     abi::tell(text, "%s.", abi::text(status));
     return refuse(h, request, d, text);
   }

@@ -22,6 +22,23 @@ inline void lower(double& factor, double to) {
 /// The sarcomere number a step starts from; a STATEV that knows nothing yet starts with 1.
 inline double number_at_start(const double* statev) { return statev[0] == 0 ? 1 : statev[0]; }
 
+/// What a step starts from: fibre, sarcomere number, fibre stretch.
+struct Start {
+  double n0[3], G, lambda;
+};
+
+/// Takes it from PROPS and STATEV. bad_state or no_fibre, and the text, if an entry of STATEV is not allowed,
+/// or neither has a fibre.
+inline UpdateStatus find_start(const double* statev, int nstatev, const Properties& properties, Start& start,
+                               Text& text) {
+  if (find_state_fault(statev, nstatev, properties, text)) return UpdateStatus::bad_state;
+  for (int i = 0; i < 3; ++i) start.n0[i] = properties.n0[i];
+  if (find_fibre_fault(statev, nstatev, start.n0, text)) return UpdateStatus::no_fibre;
+  start.G = number_at_start(statev);
+  start.lambda = stretch_at_start(statev, nstatev);
+  return UpdateStatus::ok;
+}
+
 /// The factor on the time increment at which the time error of G meets its tolerance, with some safety. Above
 /// 1 it is leave to enlarge. Below 1 costs the increment, so a step that meets the tolerance has at least 1.
 inline double advised_factor(const Properties& p, double G_n, double lambda_n, double lambda, double dtime) {

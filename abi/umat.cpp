@@ -21,14 +21,13 @@ namespace {
 using namespace myogrowth;
 
 bool find_fault(int ntens, int ndi, int nshr, int nstatv, const double* statev, const double* props,
-                int nprops, abi::Properties& properties, abi::Text& text) {
+                int nprops, abi::Properties& properties, abi::Start& start, abi::Text& text) {
   return abi::find_family_fault(ntens, ndi, nshr, text) ||
          abi::find_props_fault(props, nprops, properties, text) ||
          (ntens == 3 && abi::find_hybrid_fault("plane stress", properties, text)) ||
          abi::find_room_fault("NSTATV", nstatv, text) ||
          abi::find_stretch_fault("NSTATV", nstatv, properties, text) ||
-         abi::find_state_fault(statev, nstatv, properties, text) ||
-         abi::find_fibre_fault(statev, nstatv, properties.n0, text);
+         abi::find_start(statev, nstatv, properties, start, text) != UpdateStatus::ok;
 }
 
 // The results of a call that has none: NaN, so that a host that ignores PNEWDT cannot continue silently.
@@ -64,13 +63,14 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
 
   // Check. STATEV is as it came in wherever there is no result.
   abi::Properties properties;
+  abi::Start start;
   double* J_hat = nullptr;
   const auto fail = [&](const char* fault) {
     abi::dump({*ntens, *ndi, *nshr, *nstatv, *nprops, statev, props, dfgrd1, *dtime, *pnewdt, J_hat}, fault);
     refuse(*ntens, stress, ddsdde, sse, J_hat, pnewdt);
   };
   abi::Text text;
-  if (find_fault(*ntens, *ndi, *nshr, *nstatv, statev, props, *nprops, properties, text)) {
+  if (find_fault(*ntens, *ndi, *nshr, *nstatv, statev, props, *nprops, properties, start, text)) {
     fail(text);
     abi::report("UMAT", text, MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR), MYOGROWTH_FORTRAN(xit, XIT));
     return;
@@ -87,13 +87,7 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
   }
 
   // Update.
-  const double lambda_n = abi::stretch_at_start(statev, *nstatv);
-  const abi::Step step{properties.material,
-                       as_given ? dfgrd1 : F,
-                       properties.n0,
-                       abi::number_at_start(statev),
-                       lambda_n,
-                       *dtime};
+  const abi::Step step{properties.material, as_given ? dfgrd1 : F, start, *dtime};
   const bool keeps_thickness = *ntens == 3 && *nstatv > abi::thickness_entry;
   double thickness = keeps_thickness ? statev[abi::thickness_entry] : 0;
   PointUpdate<double> u;
@@ -109,7 +103,7 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
   // Write.
   *sse = u.psi;
   if (properties.tolerance > 0)
-    abi::lower(*pnewdt, abi::advised_factor(properties, step.G_n, lambda_n, u.lambda, *dtime));
+    abi::lower(*pnewdt, abi::advised_factor(properties, start.G, start.lambda, u.lambda, *dtime));
   abi::write_state(u, statev, *nstatv);
   if (keeps_thickness) statev[abi::thickness_entry] = thickness;
 }

@@ -96,18 +96,11 @@ void read_symmetric(const Array<const Number>& s, int k, double F[9]) {
 }
 
 // What the step of point k starts from. True, and the text, if that is not allowed.
-bool find_start_fault(const Block& b, const abi::Properties& properties, int k, double (&n0)[3], double& G,
-                      double& lambda, abi::Text& text) {
+bool find_start_fault(const Block& b, const abi::Properties& properties, int k, abi::Start& start,
+                      abi::Text& text) {
   double state[abi::n_kept];
   for (int i = 0; i < abi::n_kept; ++i) state[i] = i < b.nstatev ? b.state_old(k, i) : 0;
-  for (int i = 0; i < 3; ++i) n0[i] = properties.n0[i];
-  if (abi::find_state_fault(state, b.nstatev, properties, text) ||
-      abi::find_fibre_fault(state, b.nstatev, n0, text)) {
-    return true;
-  }
-  G = abi::number_at_start(state);
-  lambda = abi::stretch_at_start(state, b.nstatev);
-  return false;
+  return abi::find_start(state, b.nstatev, properties, start, text) != UpdateStatus::ok;
 }
 
 // Writes a result; false, and nothing is written, if it is beyond the range of Abaqus's numbers.
@@ -130,11 +123,13 @@ bool write(const Block& b, int k, const double (&sigma)[6], const double (&state
 
 // The update of a point that packs do not take. False, and the text if it is a fault, if there is no result.
 bool update(const Block& b, const abi::Properties& properties, int k, abi::Text& text) {
-  double U[9], n0[3], G, lambda, sigma[6], state[abi::n_kept];
-  if (find_start_fault(b, properties, k, n0, G, lambda, text)) return false;
+  double U[9], sigma[6], state[abi::n_kept];
+  abi::Start start;
+  if (find_start_fault(b, properties, k, start, text)) return false;
   read_symmetric(b.stretch, k, U);
   PointUpdate<double> u;
-  if (update_point(properties.material, U, n0, G, lambda, b.dt, u) != Status::ok) return false;
+  if (update_point(properties.material, U, start.n0, start.G, start.lambda, b.dt, u) != UpdateStatus::ok)
+    return false;
   cauchy_from_kirchhoff(u.J, u.tau, sigma);
   abi::state_of(u, state);
   return write(b, k, sigma, state, u.psi);
@@ -157,9 +152,9 @@ void update_block(const Block& b, bool is_data_check) {
   const int cauchy = 0;
   abi::update_many(
       properties.material, b.dt, b.size, cauchy, false,
-      [&](int k, double(&U)[9], double(&n0)[3], double& G, double& lambda) {
+      [&](int k, double(&U)[9], abi::Start& start) {
         read_symmetric(b.stretch, k, U);
-        return !find_start_fault(b, properties, k, n0, G, lambda, text);
+        return !find_start_fault(b, properties, k, start, text);
       },
       [&](int k, const abi::BlockResult& r) {
         double sigma[6], state[abi::n_kept];
