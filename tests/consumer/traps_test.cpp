@@ -168,7 +168,8 @@ TEST(Traps, CApi) {
         r, n,
         [&](const Case& c, std::vector<double>& F, std::vector<double>& G, std::vector<double>& lambda) {
           std::vector<double> state(8 * n), stress(9 * n), tangent(81 * n), energy(n);
-          for (int i = 0; i < n; ++i) state[8 * i] = G[i], state[8 * i + 2] = lambda[i];
+          for (int i = 0; i < n; ++i)
+            state[entries(8 * i)] = G[entries(i)], state[entries(8 * i + 2)] = lambda[entries(i)];
           const int measure = static_cast<int>(r.bits() % 3);
           guarded(c.props, [&] {
             EXPECT_EQ(myogrowth_update_n(n, c.props.data(), static_cast<int>(c.props.size()), F.data(),
@@ -215,9 +216,9 @@ TEST(Traps, Vumat) {
             const Eigen::Map<const Eigen::Matrix3d> at(F.data() + 9 * i);
             Eigen::Matrix3d V;
             ASSERT_TRUE(left_stretch(Eigen::Matrix3d(at.transpose()).eval().data(), V.data()));  // U of F
-            for (int k = 0; k < 9; ++k) defgrad[n * k + i] = at(abaqus_row[k], abaqus_column[k]);
-            for (int k = 0; k < 6; ++k) U[n * k + i] = V(abaqus_row[k], abaqus_column[k]);
-            state[i] = G[i], state[2 * n + i] = lambda[i];
+            for (int k = 0; k < 9; ++k) defgrad[entries(n * k + i)] = at(abaqus_row[k], abaqus_column[k]);
+            for (int k = 0; k < 6; ++k) U[entries(n * k + i)] = V(abaqus_row[k], abaqus_column[k]);
+            state[entries(i)] = G[entries(i)], state[entries(2 * n + i)] = lambda[entries(i)];
           }
           const int three = 3, none = 0, n_state = 8, n_props = static_cast<int>(c.props.size()), points = n;
           const double time = 1;

@@ -113,6 +113,15 @@ class FindPackage(Case):
         self.configure(CONSUMER, f"-DCMAKE_PREFIX_PATH={self.folder}/headers", "-DCOMPONENTS=headers",
                        "-DLANGUAGES=CXX", build="alone")
 
+    def test_a_project_may_ask_for_old_policies(self):
+        run(CMAKE, "--install", BUILD, "--prefix", self.folder / "headers", "--component", "headers")
+        project = self.folder / "old"
+        project.mkdir()
+        (project / "CMakeLists.txt").write_text(
+            "cmake_minimum_required(VERSION 3.1)\nproject(old LANGUAGES CXX)\n"
+            "find_package(myogrowth REQUIRED COMPONENTS headers)\nmessage(STATUS \"found ${myogrowth_VERSION}\")\n")
+        self.assertIn(f"found {VERSION}", self.configure(project, f"-DCMAKE_PREFIX_PATH={self.folder}/headers", build="b"))
+
     def test_eigen_5_is_accepted(self):
         eigen = self.folder / "eigen5"
         eigen.mkdir()
@@ -166,6 +175,37 @@ class Subdirectory(Case):
                 self.assertNotRegex(targets, r"_tests|install/local.*myogrowth")
                 run(CMAKE, "--install", self.folder / "build", "--prefix", self.folder / "prefix")
                 self.assertFalse(list((self.folder / "prefix").rglob("*")))  # nor installed
+
+    def test_a_library_that_links_it_can_be_exported(self):
+        project = self.folder / "library"
+        project.mkdir()
+        (project / "CMakeLists.txt").write_text(f"""
+cmake_minimum_required(VERSION 3.21)
+project(library LANGUAGES CXX)
+include(FetchContent)
+set(MYOGROWTH_INSTALL ON)
+FetchContent_Declare(myogrowth SOURCE_DIR {SOURCE})
+FetchContent_MakeAvailable(myogrowth)
+add_library(library INTERFACE)
+target_link_libraries(library INTERFACE myogrowth::myogrowth)
+install(TARGETS library EXPORT library)
+install(EXPORT library FILE library-config.cmake NAMESPACE library:: DESTINATION lib/cmake/library)
+""")
+        self.configure(project, build="library_build")
+        run(CMAKE, "--install", self.folder / "library_build", "--prefix", self.folder / "prefix")
+        user = self.folder / "user"
+        user.mkdir()
+        (user / "CMakeLists.txt").write_text(f"""
+cmake_minimum_required(VERSION 3.21)
+project(user LANGUAGES CXX)
+find_package(myogrowth REQUIRED)
+find_package(library REQUIRED)
+add_executable(headers {CONSUMER}/headers.cpp)
+target_link_libraries(headers PRIVATE library::library)
+""")
+        self.configure(user, f"-DCMAKE_PREFIX_PATH={self.folder}/prefix")
+        run(CMAKE, "--build", self.folder / "build")
+        self.expect_numbers(run(self.folder / "build/headers"))
 
     def test_with_the_umat(self):
         commands = self.build("-DMYOGROWTH_BUILD_UMAT=ON")
