@@ -226,7 +226,9 @@ template <class T>
 MYOGROWTH_FUNCTION bool is_zero(const T& x) {
   return value(x) == 0;
 }
+/// By the bits, which -ffast-math leaves as they are.
 MYOGROWTH_FUNCTION inline bool is_zero(double x) { return detail::bits_of(x) << 1 == 0; }
+/// The same.
 MYOGROWTH_FUNCTION inline bool is_zero(float x) { return detail::bits_of(x) << 1 == 0; }
 
 /// An exponent, looked at once: 0, 1/2, 1, ... 17/2 need multiplications and at most one square root.
