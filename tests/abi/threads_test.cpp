@@ -71,6 +71,7 @@ void call_umat(int round, Results& all) {
   const std::vector<double>& props = props_of(round);
   for (int point = 0; point < n_points; ++point) {
     const int ntens = families[point % 3], nstatv = n_state, nprops = static_cast<int>(props.size());
+    const int nshr = ntens == 6 ? 3 : 1, ndi = ntens - nshr;
     const auto F = deformation(round, point);
     double stress[6] = {}, ddsdde[36] = {}, statev[n_state], sse = 0, rpl = 0, drpldt = 0, ddsddt[6],
            drplde[6];
@@ -78,7 +79,7 @@ void call_umat(int round, Results& all) {
     double pnewdt = 1;
     const double dtime = 0.1;
     umat_(stress, statev, ddsdde, &sse, nullptr, nullptr, &rpl, ddsddt, drplde, &drpldt, nullptr, nullptr,
-          nullptr, &dtime, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, &ntens, &nstatv,
+          nullptr, &dtime, nullptr, nullptr, nullptr, nullptr, nullptr, &ndi, &nshr, &ntens, &nstatv,
           props.data(), &nprops, nullptr, nullptr, &pnewdt, nullptr, nullptr, F.data(), nullptr, nullptr,
           nullptr, nullptr, nullptr, nullptr);
     all.insert(all.end(), stress, stress + 6);
