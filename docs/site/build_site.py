@@ -98,7 +98,7 @@ def reference(target, with_python):
     (target / "api").mkdir()
     headers = sorted(p.name for p in (ROOT / "include/myogrowth").glob("*.hpp"))
     first = ["material.hpp", "kernel.hpp", "measures.hpp", "batch.hpp", "stress_states.hpp", "growth_rate.hpp",
-             "growth_solve.hpp", "growth_flow.hpp"]
+             "growth_step.hpp", "growth_flow.hpp"]
     headers.sort(key=lambda name: first.index(name) if name in first else len(first))
     links = "".join(f"- [{name}]({name[:-4]}.md)\n" for name in headers)
     toc = "```{toctree}\n:hidden:\n" + "".join(name[:-4] + "\n" for name in headers) + "```\n"

@@ -2,9 +2,9 @@
 /// The update of many points at once: the law's own template with a SIMD pack as its scalar (simd.hpp).
 ///
 /// Every point is one lane of a pack. A lane's result is the same bits wherever it stands and however many
-/// points there are, and agrees with update_point to rounding. What a pack is not made for (removal, gamma <
-/// 1 with backward Euler, a step so long that it takes more than a few iterations; a point without a result)
-/// is done by the scalar routines, point by point.
+/// points there are, and agrees with update_point to rounding. What a pack is not made for (a step that needs
+/// bisection, or takes the flow through many panels; a point without a result) is done by the scalar
+/// routines, point by point.
 ///
 ///   myogrowth::batch::Input in{soa(F, n), shared(n0), soa(G, n), shared(&dt)};
 ///   myogrowth::batch::Output out{soa(stress, n), soa(G, n), soa(ddsdde, n)};
@@ -104,39 +104,9 @@ constexpr bool is_streamed(const Streamed<V, components, block>&) {
 template <class V>
 struct Common {
   const FibreGrowth<V>& material;
-  const Exponent<V> to_gamma;
-  const V per_time, per_width, per_crit;
-
-  explicit Common(const FibreGrowth<V>& m)
-      : material(m),
-        to_gamma(m.growth.gamma),
-        per_time(V(1) / m.growth.growth_time),
-        per_width(V(1) / (m.growth.G_max - V(1))),
-        per_crit(V(1) / m.growth.lambda_crit) {}
+  const Branch<V, 1> growth;
+  explicit Common(const FibreGrowth<V>& m) : material(m), growth(branch_of(m.growth)) {}
 };
-
-/// The start of a long step (growth_solve.hpp), lane by lane.
-template <class V, int N>
-Pack<V, N> long_step_start(const Common<V>& common, const Mask<V, N>& is_long, const Pack<V, N>& A,
-                           const Pack<V, N>& E, const Pack<V, N>& lambda, const Pack<V, N>& G_n,
-                           const Pack<V, N>& room_n, const Pack<V, N>& end) {
-  using P = Pack<V, N>;
-  const GrowthRate<V>& rate = common.material.growth;
-  const P one(V(1)), crit(rate.lambda_crit);
-  const P way = end - G_n, bound = E * end * way / select(is_long, A, one);
-  const P q_end = lambda - crit * end, room_end = select(is_long, P(rate.G_max) - end, room_n);
-  const P k_end = common.to_gamma(P(room_end / room_n));
-  P u = way;
-  const auto ratio = [&](const P& divisor) {  // 1 where that does not limit u
-    const auto limits = is_long & (bound < divisor);
-    return P(select(limits, bound, one) / select(limits, divisor, one));
-  };
-  u = minimum(P(room_n * pow(ratio(q_end), V(1) / rate.gamma)), u);
-  u = u * ratio(crit * k_end * u);
-  u = minimum(P(room_n * pow(ratio(crit * room_n), V(1) / (rate.gamma + V(1)))), u);
-  const P start = end - u * P(V(1) + 64 * last_place<V>());
-  return select(start > G_n, start, G_n);
-}
 
 /// Where an output goes that is written past the caches: first into a buffer, for as many points as go
 /// through the stages together, and from there line by line. For other outputs there is nothing to it.
@@ -188,223 +158,11 @@ struct Begun {
   Mask<V, N> bad;  ///< has to be done by update_one
 };
 
-/// The scaled growth number a = dt k_g(G_n) of growth_solve.hpp: (A, E) = (a, 1) for a <= 1 and (1, 1/a)
-/// beyond. Adds to `left` the lanes where a is so large that 1/a and what it multiplies leave the normal
-/// range.
-template <class V, int N>
-void growth_number(const Common<V>& common, const Pack<V, N>& room_n, const Pack<V, N>& dt, Pack<V, N>& A,
-                   Pack<V, N>& E, Mask<V, N>& left) {
-  using P = Pack<V, N>;
-  const P one(V(1));
-  A = dt * P(common.per_time) * common.to_gamma(P(room_n * P(common.per_width)));
-  E = one;
-  const auto steep = A > one;
-  if (any(steep)) {
-    constexpr V epsilon = last_place<V>();
-    left = left | !(A < P((std::numeric_limits<V>::max)() * epsilon * epsilon));
-    E = one / select(steep, A, one);
-    A = select(steep, one, A);
-  }
-}
-
-/// Newton's method from before the root for the lanes `active` of `begun`, as growth_solve.hpp has it.
-/// Returns those that it cannot take in its stride. Apart, for the few packs that need it.
-template <int N, class V, int width>
-MYOGROWTH_APART Mask<V, N> newton_pack(const Common<V>& common, Mask<V, N> active, Begun<V, width>* begun) {
-  using P = Pack<V, N>;
-  const GrowthRate<V>& rate = common.material.growth;
-  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
-  P lambda, G_n, dt, G, A, E;
-  for (int k = 0; k < P::parts; ++k) {
-    lambda.v[k] = begun[k].d.lambda.v[0];
-    G_n.v[k] = begun[k].G_n.v[0];
-    dt.v[k] = begun[k].dt.v[0];
-    G.v[k] = begun[k].G.v[0];
-  }
-  const P room_n = select(active, limit - G_n, one), per_room = one / room_n;
-  Mask<V, N> out_of_range = active;  // (which grow_pack knows)
-  growth_number(common, room_n, P(select(active, dt, zero)), A, E, out_of_range);
-  const P end = minimum(P(lambda * P(common.per_crit)), limit);
-  const auto is_long = active & (A * (lambda - crit * G_n) > E * G_n * (end - G_n));
-  P start = G_n;
-  if (any(is_long))
-    start = select(is_long, long_step_start(common, is_long, A, E, lambda, G_n, room_n, end), G_n);
-  G = select(active, minimum(start, end), G);
-
-  // A lane that is done stays as it is, whatever its neighbours do.
-  constexpr V epsilon = last_place<V>();
-  const P g1 = gamma * per_room, gamma_plus_1(V(1) + rate.gamma);
-  constexpr int patience = 24;
-  for (int iteration = 0; iteration < patience && any(active); ++iteration) {
-    const P room = limit - G, x = select(active, room * per_room, one);
-    const P k = A * common.to_gamma(x), kq = k * (lambda - crit * G);
-    const P to_do = (kq - E * G * (G - G_n)) * x, slope = (E * (G + G - G_n) + k * crit) * x + g1 * kq;
-    const P divisor = slope * G + to_do, divides = select(active & (divisor > zero), divisor, one);
-    const P step = rough_quotient(to_do * G, divides);  // corrected by the next, or beyond all digits
-    const P next = G + step;
-    const auto onward = active & (next > G), inside = next < end;  // (not onward: rounding)
-    G = select(onward, select(inside, next, end), G);
-    active =
-        onward & inside & !(step * step * (gamma_plus_1 * next + room) < P(epsilon / 4) * next * next * room);
-  }
-  for (int k = 0; k < P::parts; ++k) begun[k].G.v[0] = G.v[k];
-  return active;
-}
-
-/// Backward Euler for the lanes that grow, gamma >= 1: G and dG/dlambda. `left` are the lanes that need the
-/// scalar routine.
-///
-/// With y = (G - G_n)/r, r = G_max - G_n, the equation of growth_solve.hpp divided by r^2 has no parameter in
-/// its derivatives but gamma:
-///
-///   E (alpha + y) y = (A/r) (1 - y)^gamma (Q - crit y),   alpha = G_n/r,  Q = (lambda - crit G_n)/r
-///
-/// Two steps of order four from y = 0 (fourth_order_step there) are mostly all it takes. They may lead
-/// astray, but there is one root alone with y < 1 and alpha + y > 0. A lane that does not grow has A = 0, and
-/// y = 0.
-template <int N, class V, int width>
-void grow_pack(const Common<V>& common, const Mask<V, N>& grows, const Pack<V, N>& G_n,
-               const Pack<V, N>& lambda, const Pack<V, N>& dt, Begun<V, width>* begun, Pack<V, N>& G,
-               Pack<V, N>& dG_dlambda, Mask<V, N>& left) {
-  using P = Pack<V, N>;
-  const GrowthRate<V>& rate = common.material.growth;
-  const V c = rate.gamma;
-  const P zero(V(0)), one(V(1)), crit(rate.lambda_crit), limit(rate.G_max), g1(c), g2(c * (c - 1) / 2),
-      g3(c * (c - 1) * (c - 2) / 6);
-  const P r = select(grows, limit - G_n, one), per_r = one / r;
-  P A, E;
-  growth_number(common, r, P(select(grows, dt, zero)), A, E, left);
-  A = A * per_r;
-  const P alpha = G_n * per_r, Q = (lambda - crit * G_n) * per_r;
-
-  P y;
-  {  // at y = 0
-    const P f = A * Q, kc = A * crit, b = (E * alpha + kc) + g1 * f;
-    const P a2 = (E - g1 * kc) - g2 * f, a3 = g2 * kc + g3 * f, b2 = b * b;
-    y = rough_quotient(f * (b2 + a2 * f), b * b2 + f * ((a2 + a2) * b + a3 * f));
-  }
-  Mask<V, N> done;
-  {
-    const P x = maximum(one - y, zero), k = A * common.to_gamma(x), kq = k * (Q - crit * y),
-            kc = k * crit * x;
-    const P z = alpha + y, f = kq - E * z * y, b = (E * (z + y) * x + kc) + g1 * kq;
-    const P a2 = (E * (x * x) - g1 * kc) - g2 * kq, a3 = g2 * kc + g3 * kq, b2 = b * b;
-    const P step = near_quotient(x * f * (b2 + a2 * f), b * b2 + f * ((a2 + a2) * b + a3 * f));
-    y = y + step;
-    // What such a step leaves is well below C^3 step^4, C = (1 + gamma)/x + 1/(alpha + y) > 1/(alpha + y).
-    const V enough = std::sqrt(std::sqrt(last_place<V>()));
-    const P now = alpha + y;
-    done = abs(P(step * (P(V(1) + c) * now + x))) < P(enough) * now * x;
-    // (Else with a G_max in the thousands what is multiplied here would leave the range.)
-    if constexpr (sizeof(V) < sizeof(double)) done = done & (alpha > P(V(1e-3)));
-  }
-  P x = one - y;
-  const P end = minimum(P(lambda * P(common.per_crit)), limit);
-  G = maximum(minimum(P(G_n + r * y), end), G_n);
-  const auto active = grows & !done;
-  if (any(active)) {
-    for (int k = 0; k < P::parts; ++k) begun[k].G.v[0] = G.v[k];
-    left = left | newton_pack<N>(common, active, begun);
-    for (int k = 0; k < P::parts; ++k) G.v[k] = begun[k].G.v[0];
-    G = maximum(minimum(G, end), G_n);
-    y = select(active, (G - G_n) * per_r, y);
-    x = select(active, (limit - G) * per_r, x);
-  }
-
-  const P k = A * common.to_gamma(x), z = alpha + y;
-  const P slope = (E * (z + y) + k * crit) * x + g1 * (E * z * y);
-  dG_dlambda = select(G < limit, minimum(k * x / slope, P(common.per_crit)), zero);
-}
-
-/// The flow of growth_flow.hpp at the stretch of the middle of the step, for the lanes that grow: G and
-/// dG/dlambda of `begun`. Returns the lanes that are left to the scalar routine. Apart, as it takes ten times
-/// what the stages around it take.
-template <int N, class V, int width>
-MYOGROWTH_APART Mask<V, N> flow_pack(const Common<V>& common, const Mask<V, N>& asked,
-                                     Begun<V, width>* begun) {
-  using P = Pack<V, N>;
-  const GrowthRate<V>& rate = common.material.growth;
-  const P zero(V(0)), one(V(1)), half(V(0.5)), crit(rate.lambda_crit), limit(rate.G_max), gamma(rate.gamma);
-  P lambda, G_n, dt;
-  for (int k = 0; k < P::parts; ++k) {
-    lambda.v[k] = (begun[k].d.lambda.v[0] + begun[k].lambda_n.v[0]) * V(0.5);
-    G_n.v[k] = begun[k].G_n.v[0];
-    dt.v[k] = begun[k].dt.v[0];
-  }
-  const P reached = minimum(P(lambda * P(common.per_crit)), limit);
-  const auto grows = asked & (reached > G_n);  // but for rounding, all that are asked for
-  const P r = select(grows, limit - G_n, one), per_r = one / r;
-  const P a = select(grows, dt, zero) * P(common.per_time) * common.to_gamma(P(r * P(common.per_width)));
-  // (Of a lane that does not grow: a way of 1, so that nothing is divided by 0.)
-  const P end = select(grows, reached, G_n + one), u_n = end - G_n;
-  const P room_end = select(grows, limit - end, zero);
-  const P q_end = select(grows & (end >= limit), lambda - crit * limit, zero);
-  struct At {
-    P u, g, kappa, q;
-  };
-  const auto at = [&](const P& w) {
-    const P u = u_n * exp(P(-w));
-    return At{u, end - u, common.to_gamma(P((room_end + u) * per_r)), q_end + crit * u};
-  };
-  const GaussRule<V> rule = gauss_rule<V>();
-  const auto integrate = [&](const P& from, const P& length, P& time, P& sensitivity) {
-    const P half_length = length * half, middle = from + half_length;
-    time = sensitivity = zero;
-    for (int i = 0; i < 10; ++i) {
-      const At there = at(middle + half_length * P(i < 5 ? rule.point[i] : -rule.point[i - 5]));
-      const P per_kappa_q = one / (there.kappa * there.q);
-      const P f = P(rule.weight[i % 5]) * there.g * there.u * per_kappa_q;
-      time = time + f;
-      sensitivity = sensitivity + f * there.kappa * per_kappa_q;
-    }
-    time = time * half_length;
-    sensitivity = sensitivity * half_length;
-  };
-
-  // The part of the first panel that it takes, from the series of the time to second order; or whole panels.
-  const P q_n = q_end + crit * u_n, ahead = a * q_n / (G_n * u_n);
-  const P growth = u_n / G_n + gamma * u_n * per_r + crit * u_n / q_n - one;
-  const P panel(flow_panel(rate.gamma));
-  P part = ahead / (one + half * growth * ahead), from = zero, to_go = a, before = zero;
-  auto beyond = grows & !(part < panel * P(V(0.9)));
-  part = select(beyond, panel, maximum(part, zero));
-  constexpr int most_panels = 16;
-  for (int i = 0; i < most_panels && any(beyond); ++i) {
-    P time, sensitivity;
-    integrate(from, panel, time, sensitivity);
-    const auto passes = beyond & (time < to_go);
-    part = select(beyond & !passes, panel * (to_go / time), part);
-    to_go = select(passes, to_go - time, to_go);
-    before = select(passes, before + sensitivity, before);
-    from = select(passes, from + panel, from);
-    beyond = passes;
-  }
-
-  // Newton's method.
-  const P curvature = u_n / G_n + (gamma + P(V(4)));
-  P sum = zero;
-  auto active = grows & !beyond;
-  for (int iteration = 0; iteration < 8 && any(active); ++iteration) {
-    P time, sensitivity;
-    integrate(from, part, time, sensitivity);
-    const At here = at(from + part);
-    const P speed = here.kappa * here.q / (here.g * here.u), step = (to_go - time) * speed;
-    const P next = part + step;
-    part = select(active, maximum(minimum(next, panel + panel), -panel),
-                  part);  // (what leaves the panel is left)
-    sum = select(active, sensitivity + step / (speed * here.q), sum);
-    active = active & !(curvature * step * step < P(last_place<V>() / 4) * (from + next));
-  }
-  const At last = at(from + part);
-  const P dG_dlambda = last.kappa * last.q / last.g * (before + sum) * half;
-  const P G = maximum(minimum(P(G_n + (u_n - last.u)), end), G_n);
-  for (int k = 0; k < P::parts; ++k) {
-    begun[k].G.v[0] = select(grows, G, G_n).v[k];
-    begun[k].dG_dlambda.v[0] = select(grows, dG_dlambda, zero).v[k];
-  }
-  // (From far below the end, u_n - u would cost G digits.)
-  const auto within = (zero <= part) & (part <= panel) & (u_n < P(V(8)) * G_n);
-  return asked & ((!grows) | beyond | active | (!within));
+/// Removal in the lanes that shrink. Not inlined, since few packs need it.
+template <int N, class V>
+MYOGROWTH_APART SolvedStep<Pack<V, N>> remove(const FibreGrowth<V>& m, Mask<V, N> shrinks, Pack<V, N> G_n,
+                                              Pack<V, N> lambda, Pack<V, N> dt) {
+  return backward_euler(branch_of(m.growth, m.removal), shrinks, G_n, lambda, dt);
 }
 
 /// The first stage for the points from point i on: their deformation.
@@ -462,26 +220,34 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
     bad = bad | !opaque(is_finite(lambda_n) & (lambda_n > P(V(0))));
     lambda = (lambda + lambda_n) * P(V(0.5));
   }
-  const auto grows =
-      (dt > zero) & (lambda > P(material.growth.lambda_crit) * G_n) & (G_n < P(material.growth.G_max)) & !bad;
   P G = G_n, dG_dlambda = zero;
-  if (any(grows)) {
-    if (flows) {
-      bad = bad | flow_pack<N>(common, grows, begun);
-      for (int k = 0; k < P::parts; ++k) {
-        G.v[k] = begun[k].G.v[0];
-        dG_dlambda.v[k] = begun[k].dG_dlambda.v[0];
-      }
-    } else if (material.growth.gamma >= 1) {
-      grow_pack<N>(common, grows, G_n, lambda, dt, begun, G, dG_dlambda, bad);
-    } else {
-      bad = bad | grows;
-    }
+  const auto up = grows(material.growth, G_n, lambda, dt) & !bad;
+  if (any(up)) {  // (where it does not grow G stays, and the slope is zero)
+    const auto take = [&](const auto& step) {
+      G = step.G;
+      dG_dlambda = step.dG_dlambda;
+      bad = bad | step.left;
+    };
+    if (flows)
+      take(follow(common.growth, up, G_n, lambda, dt));
+    else
+      take(backward_euler(common.growth, up, G_n, lambda, dt));
   }
   if (material.removal.removal_time > 0) {
-    bad = bad | ((dt > zero) & (lambda < P(material.removal.lambda_crit) * G_n) &
-                 (G_n > P(material.removal.G_min)));
+    const auto down = shrinks(material.removal, G_n, lambda, dt) & !bad;
+    if (any(down)) {
+      const auto take = [&](const auto& step) {
+        G = select(down, step.G, G);
+        dG_dlambda = select(down, step.dG_dlambda, dG_dlambda);
+        bad = bad | step.left;
+      };
+      if (flows)
+        take(follow(branch_of(material.growth, material.removal), down, G_n, lambda, dt));
+      else
+        take(remove<N>(material, down, G_n, lambda, dt));
+    }
   }
+  if (flows) dG_dlambda = dG_dlambda * P(V(0.5));  // lambda here is the mean with that at the beginning
   for (int k = 0; k < P::parts; ++k) {
     begun[k].G.v[0] = G.v[k];
     begun[k].dG_dlambda.v[0] = dG_dlambda.v[k];

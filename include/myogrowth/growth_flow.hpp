@@ -6,46 +6,20 @@
 ///
 ///   dt k_g(G_n) = Int_0^w g u / (kappa q) dw',   kappa = (room/room_n)^gamma,   q = lambda - lambda_crit g
 ///
-/// In w the integrand is smooth and grows at most like exp(gamma w), whatever dt: a few Gauss points a panel
-/// give it to rounding, and the w at which it reaches the left side is found by a bracketed Newton method. G
-/// stays within the bounds of the backward-Euler step by construction, for any dt. Taken at the stretch of
-/// the middle of the step, the flow is of second order (docs/theory.md).
+/// In w the integrand is smooth and grows at most like exp(gamma w), whatever dt: ten Gauss points a panel
+/// give it to rounding, and the w at which it reaches the left side is found by Newton's method. G stays
+/// within the bounds of the backward-Euler step by construction, for any dt. Taken at the stretch of the
+/// middle of the step, the flow is of second order (docs/theory.md).
 #ifndef MYOGROWTH_GROWTH_FLOW_HPP
 #define MYOGROWTH_GROWTH_FLOW_HPP
 
-#include "growth_solve.hpp"
+#include "growth_step.hpp"
 
 namespace myogrowth {
 namespace detail {
 
-/// What the flow needs of the step's equation: where it is at w, and the integrands there.
-template <class V, int sign>
-struct Flow {
-  BracketedEquation<V, sign> eq;
-  V u_n, room_end, q_end;
-
-  MYOGROWTH_FUNCTION explicit Flow(const BracketedEquation<V, sign>& equation)
-      : eq(equation),
-        u_n(sign * (eq.end - eq.G_n)),
-        room_end(eq.end == eq.limit ? V(0) : eq.room(eq.end)),
-        q_end(eq.end == eq.limit ? eq.q(eq.lambda, eq.end) : V(0)) {}
-
-  struct At {
-    V kappa, q, g, u;
-  };
-  MYOGROWTH_FUNCTION At at(V w) const {
-    const V u = u_n * exp(-w);
-    return {eq.to_gamma(V((room_end + u) * eq.per_room)), q_end + eq.crit * u, eq.end - sign * u, u};
-  }
-};
-
-/// Integrals from w_0 to w_1 of g u/(kappa q), the time, and of g u/(kappa q^2), from which dG/dlambda comes.
-template <class V>
-struct FlowIntegrals {
-  V time, sensitivity;
-};
-
-/// The ten-point Gauss-Legendre rule: points +-point[i] with weight[i], on [-1, 1].
+/// The ten-point Gauss-Legendre rule: points +-point[i] with weight[i], on [-1, 1] (Abramowitz and Stegun,
+/// table 25.4).
 template <class V>
 struct GaussRule {
   V point[5], weight[5];
@@ -60,105 +34,192 @@ MYOGROWTH_FUNCTION constexpr GaussRule<V> gauss_rule() {
            V(0.06667134430868813759356880989333L)}};
 }
 
-/// How long a panel is: short against the growth of the integrands, as far as anybody's gamma goes, so that
-/// the number of panels is bounded.
+/// How long a panel is: short against the growth of the integrands for gamma <= 100, and bounded below, so
+/// that the number of panels is bounded.
 template <class V>
 MYOGROWTH_FUNCTION V flow_panel(V gamma) {
   return 4 / (4 + (gamma < 100 ? gamma : V(100)));
 }
 
-template <class V, int sign>
-MYOGROWTH_FUNCTION FlowIntegrals<V> integrate(const Flow<V, sign>& flow, V w_0, V w_1) {
-  const GaussRule<V> rule = gauss_rule<V>();
-  const V middle = (w_0 + w_1) / 2, half = (w_1 - w_0) / 2;
-  FlowIntegrals<V> sum{0, 0};
-  for (int i = 0; i < 10; ++i) {
-    const typename Flow<V, sign>::At at = flow.at(middle + (i < 5 ? half : -half) * rule.point[i % 5]);
-    const V f = rule.weight[i % 5] * at.g * at.u / (at.kappa * at.q);
-    sum.time += f;
-    sum.sensitivity += f / at.q;
+/// The flow from G_n towards its end, in the lanes that move.
+template <class T, class V, int sign>
+struct Flow {
+  Branch<V, sign> b;
+  T G_n, lambda, end, per_r, u_n, room_end, q_end;
+  T a;  ///< growth number, dt k_g(G_n)
+
+  MYOGROWTH_FUNCTION Flow(const Branch<V, sign>& branch, const LaneMask<T>& moves, const T& G_n_,
+                          const T& lambda_, const T& dt)
+      : b(branch), G_n(G_n_), lambda(lambda_) {
+    const T zero(V(0)), one(V(1)), limit(b.limit);
+    const T r = select(moves, b.ahead(limit, G_n), one);
+    per_r = one / r;
+    // A lane that does not move has an end at distance 1, and stays where it is since a = 0.
+    end = select(moves, b.end(lambda), T(b.on(G_n, one)));
+    u_n = b.ahead(end, G_n);
+    const LaneMask<T> at_limit = moves & (end == limit);
+    room_end = select(moves & !at_limit, b.ahead(limit, end), zero);
+    q_end = select(at_limit, b.ahead(lambda, T(T(b.crit) * limit)), zero);
+    a = select(moves, dt, zero) * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
   }
-  return {sum.time * half, sum.sensitivity * half};
+
+  /// Where it is at w.
+  struct At {
+    T kappa, q, g, u;
+    /// dw over da.
+    MYOGROWTH_FUNCTION T speed() const { return kappa * q / (g * u); }
+  };
+  MYOGROWTH_FUNCTION At at(const T& w) const {
+    const T u = u_n * exp(T(-w));
+    return {b.to_gamma(T((room_end + u) * per_r)), q_end + T(b.crit) * u, b.on(end, T(-u)), u};
+  }
+
+  /// Integrals over a part from w on of g u/(kappa q), the time, and of g u/(kappa q^2), from which
+  /// dG/dlambda comes.
+  struct Integrals {
+    T time, sensitivity;
+  };
+  MYOGROWTH_FUNCTION Integrals integrate(const T& w, const T& part) const {
+    const GaussRule<V> rule = gauss_rule<V>();
+    const T half = part * T(V(0.5)), middle = w + half;
+    Integrals sum{T(V(0)), T(V(0))};
+    for (int i = 0; i < 10; ++i) {
+      const At there = at(middle + half * T(i < 5 ? rule.point[i] : -rule.point[i - 5]));
+      const T per_kappa_q = T(V(1)) / (there.kappa * there.q);
+      const T f = T(rule.weight[i % 5]) * there.g * there.u * per_kappa_q;
+      sum.time = sum.time + f;
+      sum.sensitivity = sum.sensitivity + f * there.kappa * per_kappa_q;
+    }
+    return {sum.time * half, sum.sensitivity * half};
+  }
+};
+
+/// How g the flow has come: the whole panels behind it, and its part of the panel that it ends in.
+template <class T>
+struct FlowProgress {
+  T w, to_go, sensitivity;  ///< at the beginning of that panel: w, what is left of a, the integral so g
+  T part;
+  LaneMask<T> ended;  ///< what is left of the way is below rounding: the end is reached
+  LaneMask<T> left;   ///< lanes of a pack that take too many panels
+};
+
+/// Passes whole panels in the lanes `beyond`, until each is in the panel that it ends in.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION MYOGROWTH_APART FlowProgress<T> pass_panels(const Flow<T, V, sign>& flow, T panel,
+                                                               FlowProgress<T> p, LaneMask<T> beyond,
+                                                               int most, int& iterations) {
+  const T below_rounding = log(T(flow.u_n / (flow.end * T(last_place<V>() / 8)))) + panel;
+  const T w_end = minimum(below_rounding, T(2 * log((std::numeric_limits<V>::max)())));  // for an end near 0
+  for (int i = 0; i < most && any(beyond); ++i) {
+    ++iterations;
+    const auto whole = flow.integrate(p.w, panel);
+    const LaneMask<T> is_number = whole.time >= T(V(0)), passes = beyond & (whole.time < p.to_go);
+    const LaneMask<T> stops = beyond & is_number & !passes;
+    p.part = select(stops, T(panel * (p.to_go / select(stops, whole.time, panel))), p.part);
+    p.to_go = select(passes, T(p.to_go - whole.time), p.to_go);
+    p.sensitivity = select(passes, T(p.sensitivity + whole.sensitivity), p.sensitivity);
+    p.w = select(passes, T(p.w + panel), p.w);
+    const LaneMask<T> at_end = !(is_number & (p.w < w_end));  // not a number: out of range, at the end
+    p.ended = p.ended | (beyond & at_end);
+    beyond = passes & !at_end;
+  }
+  p.left = p.left | beyond;
+  return p;
 }
 
-/// G after the growth number a = dt k_g(G_n), with dG/dlambda and dG/dG_n.
-template <class V>
+/// G after the time a, with dG/dlambda and dG/dG_n.
+template <class T>
 struct FlowResult {
-  V G, dG_dlambda, dG_dG_n;
+  T G, dG_dlambda, dG_dG_n;
+  LaneMask<T> left;  ///< lanes without a result, in packs
   int iterations;
 };
 
+/// A number that Newton's method left: the panel it ends in, and there Newton's method in a bracket.
+/// @{
 template <class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<V> follow(const Flow<V, sign>& flow, V a) {
-  const BracketedEquation<V, sign>& eq = flow.eq;
-  const V panel = flow_panel(eq.gamma);
+MYOGROWTH_FUNCTION MYOGROWTH_APART void find_in_bracket(const Flow<V, V, sign>& flow, V panel,
+                                                        FlowProgress<V>& p, int& iterations) {
+  constexpr int most_panels = 100000;  // more than w_end has
+  p.left = false;
+  if (!is_finite(flow.a)) p.ended = true;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
+  if (!p.ended) p = pass_panels(flow, panel, p, true, most_panels, iterations);
+  if (p.ended) return;
+  const V start = p.sensitivity;
+  V low = 0, high = panel;
+  for (int i = 0; i < 100; ++i) {
+    ++iterations;
+    const auto some = flow.integrate(p.w, p.part);
+    const V step = (p.to_go - some.time) * flow.at(p.w + p.part).speed();
+    (step > 0 ? low : high) = p.part;
+    V next = p.part + step;
+    if (!(next > low && next < high)) next = (low + high) / 2;
+    const V moved = abs(V(next - p.part));
+    p.part = next;
+    p.sensitivity = start + some.sensitivity;
+    if (moved <= 4 * last_place<V>() * (p.w + p.part)) break;
+  }
+  p.sensitivity = start + flow.integrate(p.w, p.part).sensitivity;
+}
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>& flow, const T& panel, FlowProgress<T>& p,
+                              int& iterations, std::true_type) {
+  if (p.left) find_in_bracket(flow, panel, p, iterations);
+}
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>&, const T&, FlowProgress<T>&, int&, std::false_type) {}
+/// @}
+
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<T> follow(Branch<V, sign> b, LaneMask<T> moves, T G_n, T lambda,
+                                                        T dt) {
+  moves = moves & b.precedes(G_n, b.end(lambda));  // but for rounding, all that are asked for
+  constexpr V epsilon = last_place<V>();
+  constexpr bool is_number = std::is_same<T, V>::value;
+  constexpr int most_panels = is_number ? 100000 : 16;
+  const T zero(V(0)), one(V(1)), panel(flow_panel(b.gamma)), gamma(b.gamma), crit(b.crit);
+  const Flow<T, V, sign> flow(b, moves, G_n, lambda, dt);
+
+  // A step that ends in the first panel, as most do, starts from the series of the time to second order in w.
+  const T relative = flow.u_n / G_n, q_n = flow.q_end + crit * flow.u_n;
+  const T to_first_order = flow.a * q_n / (G_n * flow.u_n);
+  const T growth = T(V(sign)) * relative + gamma * flow.u_n * flow.per_r + crit * flow.u_n / q_n - one;
+  const T divisor = one + growth * to_first_order * T(V(0.5));
+  const T series = select(divisor > zero, to_first_order, panel) / select(divisor > zero, divisor, one);
+  const LaneMask<T> none = one < zero;
+  const LaneMask<T> beyond = moves & !((zero <= series) & (series < panel * T(V(0.9))));
+  FlowProgress<T> p{zero, flow.a, zero, select(beyond, panel, series), none, none};
   int iterations = 0;
-  const FlowResult<V> ended{eq.end, flow.q_end > 0 ? V(0) : 1 / eq.crit, V(0), iterations};
-  if (!is_finite(a) || !(flow.u_n > 0))
-    return ended;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
-  const auto arrive = [&](V w, V sensitivity) -> FlowResult<V> {
-    const typename Flow<V, sign>::At at = flow.at(w);
-    const V speed = at.kappa * at.q / at.g;
-    const V G = eq.G_n - sign * flow.u_n * expm1(-w);
-    return {G, speed * sensitivity, speed * eq.G_n / eq.q(eq.lambda, eq.G_n), iterations};
-  };
+  if (any(beyond)) p = pass_panels(flow, panel, p, beyond, most_panels, iterations);
 
-  // A step that ends in the first panel, as most do: from the series of the time to second order in w, by
-  // Newton's method.
-  const V relative = flow.u_n / eq.G_n, q_n = eq.q(eq.lambda, eq.G_n);
-  const V ahead = a * q_n / (eq.G_n * flow.u_n);
-  const V growth = sign * relative + eq.gamma * flow.u_n * eq.per_room + eq.crit * flow.u_n / q_n - 1;
-  const V divisor = 1 + growth * ahead / 2;
-  V part = divisor > 0 ? ahead / divisor : panel;
-  for (int i = 0; i < 8 && part > 0 && part < panel; ++i) {
+  // Newton's method for the part of the panel.
+  const T before = p.sensitivity, curvature = relative + (gamma + T(V(4)));
+  LaneMask<T> active = moves & !p.ended & !p.left;
+  for (int i = 0; i < 8 && any(active); ++i) {
     ++iterations;
-    const FlowIntegrals<V> some = integrate(flow, V(0), part);
-    const typename Flow<V, sign>::At at = flow.at(part);
-    const V speed = at.kappa * at.q / (at.g * at.u), step = (a - some.time) * speed;
-    part += step;
-    const bool is_last = (relative + eq.gamma + 4) * step * step < last_place<V>() / 4 * part;
-    if (is_last && part <= panel) return arrive(part, some.sensitivity + step / (speed * at.q));
+    const auto some = flow.integrate(p.w, p.part);
+    const auto here = flow.at(p.w + p.part);
+    const T speed = here.speed(), step = (p.to_go - some.time) * speed, next = p.part + step;
+    p.part = select(active, next, p.part);
+    p.sensitivity = select(active, T(before + some.sensitivity + step / (speed * here.q)), p.sensitivity);
+    active = active & !(curvature * step * step < T(epsilon / 4) * (p.w + next));
   }
+  p.left = p.left | (moves & !p.ended & (active | !((zero <= p.part) & (p.part <= panel))));
+  p.sensitivity = select(p.left, before, p.sensitivity);
+  go_on(flow, panel, p, iterations, std::is_same<T, V>());
 
-  // Where what is left of the way is below rounding, the end is reached.
-  const V below_rounding = log(flow.u_n / (last_place<V>() * eq.end / 8)) + panel;
-  const V most = 2 * log((std::numeric_limits<V>::max)());  // for an end so near 0 that its rounding is 0
-  const V w_end = below_rounding < most ? below_rounding : most;
-  V w = 0, time = 0, sensitivity = 0;
-  constexpr int most_panels = 64 * std::numeric_limits<V>::max_exponent;  // of the shortest, up to `most`
-  for (int panels = 0; panels < most_panels && w < w_end; ++panels) {
-    ++iterations;
-    const FlowIntegrals<V> whole = integrate(flow, w, w + panel);
-    if (!(whole.time >= 0)) break;  // not a number: out of range, at the end
-    if (!(whole.time >= a - time)) {
-      time += whole.time;
-      sensitivity += whole.sensitivity;
-      w += panel;
-      continue;
-    }
-    // In this panel: Newton's method for its part, bracketed.
-    V low = 0, high = panel;
-    part = panel * ((a - time) / whole.time);
-    for (int i = 0; i < 100; ++i) {
-      ++iterations;
-      const FlowIntegrals<V> some = integrate(flow, w, w + part);
-      const typename Flow<V, sign>::At at = flow.at(w + part);
-      const V step = (a - time - some.time) * at.kappa * at.q / (at.g * at.u);
-      (step > 0 ? low : high) = part;
-      V next = part + step;
-      if (!(next > low && next < high)) next = (low + high) / 2;
-      const V moved = next > part ? next - part : part - next;
-      part = next;
-      if (moved <= 4 * last_place<V>() * (w + part)) break;
-    }
-    return arrive(w + part, sensitivity + integrate(flow, w, w + part).sensitivity);
-  }
-  FlowResult<V> result = ended;
-  result.iterations = iterations;
-  return result;
+  const T w = p.w + select(p.left | p.ended, zero, p.part);
+  const auto last = flow.at(w);
+  const T speed = last.kappa * last.q / last.g;
+  const T G = b.on(G_n, T(-flow.u_n * expm1(T(-w))));
+  const T crossed = select(flow.q_end > zero, zero, T(one / crit));  // dG/dlambda at the end
+  return {select(p.ended, flow.end, select(moves, b.last(b.first(G, flow.end), G_n), G_n)),
+          select(p.ended, crossed, select(moves, T(speed * p.sensitivity), zero)),
+          select(p.ended, zero, T(speed * G_n / q_n)), p.left, iterations};
 }
 
 /// A number of the scalar's own kind from a value and its derivatives.
+/// @{
 template <class T, class V>
 MYOGROWTH_FUNCTION T carried(const FlowResult<V>& r, const T& G_n, const T& lambda, std::false_type) {
   return T(r.G) + r.dG_dlambda * (lambda - value(lambda)) + r.dG_dG_n * (G_n - value(G_n));
@@ -167,18 +228,11 @@ template <class T, class V>
 MYOGROWTH_FUNCTION T carried(const FlowResult<V>& r, const T&, const T&, std::true_type) {
   return r.G;
 }
+/// @}
 
-template <class T, int sign>
-MYOGROWTH_FUNCTION GrowthStep<T> follow(const GrowthEquation<Real<T>, sign>& equation, const T& G_n,
-                                        const T& lambda) {
-  using V = Real<T>;
-  const BracketedEquation<V, sign> eq(equation, value(G_n), value(lambda));
-  if (!(eq.A > 0)) {  // as in solve()
-    return {eq.A == 0 ? G_n : T(std::numeric_limits<V>::quiet_NaN()), T(0), 0};
-  }
-  FlowResult<V> r = follow(Flow<V, sign>(eq), V(eq.A / eq.E));
-  if (!eq.before(eq.G_n, r.G)) r.G = eq.G_n;
-  if (!eq.before(r.G, eq.end)) r.G = eq.end;
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION GrowthStep<T> flow_of(const Branch<V, sign>& b, const T& G_n, const T& lambda, V dt) {
+  const FlowResult<V> r = follow<V>(b, true, value(G_n), value(lambda), dt);
   return {carried(r, G_n, lambda, std::is_same<T, V>()), T(r.dG_dlambda), r.iterations};
 }
 
@@ -192,35 +246,33 @@ template <class T, class V>
 MYOGROWTH_FUNCTION GrowthStep<T> flow_growth(const GrowthRate<V>& growth, const RemovalRate<V>& removal,
                                              const T& G_n, const T& lambda, const std::common_type_t<V>& dt) {
   static_assert(std::is_same<V, Real<T>>::value, "the flow takes parameters that are plain numbers");
-  const V G = value(G_n), stretch = value(lambda);
-  if (dt > 0 && stretch > growth.lambda_crit * G && G < growth.G_max) {
-    return detail::follow(detail::equation_of(growth, dt, G), G_n, lambda);
+  const V G = value(G_n), stretch = value(lambda), time = dt;
+  if (detail::grows(growth, G, stretch, time)) {
+    return detail::flow_of(detail::branch_of(growth), G_n, lambda, time);
   }
-  if (dt > 0 && removal.removal_time > 0 && stretch < removal.lambda_crit * G && G > removal.G_min) {
-    return detail::follow(detail::equation_of(growth, removal, dt, G), G_n, lambda);
+  if (detail::shrinks(removal, G, stretch, time)) {
+    return detail::flow_of(detail::branch_of(growth, removal), G_n, lambda, time);
   }
-  return {G_n, T(0), 0};
+  return {G_n, T(V(0)), 0};
 }
 
 /// How the error of one time step in G is estimated, for hosts that choose their steps by it [-]: backward
 /// Euler against the flow at mid-step (an error of order dt^2), the latter against the mean of the flows at
-/// the stretches of both ends (of the order of the stretch's change in dt, squared).
+/// the stretches of both ends (of the order of the stretch's change in dt, squared). No error: NaN in, NaN
+/// out.
 /// @{
 template <class V>
 MYOGROWTH_FUNCTION V time_error_of_backward_euler(const GrowthRate<V>& growth, const RemovalRate<V>& removal,
                                                   V G_n, V lambda_n, V lambda, V dt) {
-  const V difference = solve_growth(growth, removal, G_n, lambda, dt).G -
-                       flow_growth(growth, removal, G_n, (lambda_n + lambda) / 2, dt).G;
-  return difference < 0 ? -difference : difference;
+  return abs(V(solve_growth(growth, removal, G_n, lambda, dt).G -
+               flow_growth(growth, removal, G_n, (lambda_n + lambda) / 2, dt).G));
 }
 template <class V>
 MYOGROWTH_FUNCTION V time_error_of_midpoint_flow(const GrowthRate<V>& growth, const RemovalRate<V>& removal,
                                                  V G_n, V lambda_n, V lambda, V dt) {
-  const V difference =
-      flow_growth(growth, removal, G_n, (lambda_n + lambda) / 2, dt).G -
-      (flow_growth(growth, removal, G_n, lambda_n, dt).G + flow_growth(growth, removal, G_n, lambda, dt).G) /
-          2;
-  return difference < 0 ? -difference : difference;
+  const V ends =
+      flow_growth(growth, removal, G_n, lambda_n, dt).G + flow_growth(growth, removal, G_n, lambda, dt).G;
+  return abs(V(flow_growth(growth, removal, G_n, (lambda_n + lambda) / 2, dt).G - ends / 2));
 }
 /// @}
 

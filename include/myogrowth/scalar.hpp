@@ -64,6 +64,7 @@
 
 namespace myogrowth {
 
+using std::abs;
 using std::exp;
 using std::expm1;
 using std::log;
@@ -132,6 +133,50 @@ MYOGROWTH_FUNCTION T quotient(const T& a, const T& b, const T&) {
 
 /// The number of an array's entries, as arrays want it.
 constexpr std::size_t entries(std::ptrdiff_t n) { return static_cast<std::size_t>(n); }
+
+/// What one text for numbers and packs needs: for a number, all of it is about its one lane.
+/// @{
+
+/// What comparisons are made of: the value of a number, a pack as it is.
+template <class T>
+MYOGROWTH_FUNCTION constexpr Real<T> deciding(const T& x) {
+  return value(x);
+}
+/// The answers of a comparison: bool for a number, one for each lane of a pack.
+template <class T>
+using LaneMask =
+    std::decay_t<decltype(deciding(std::declval<const T&>()) < deciding(std::declval<const T&>()))>;
+/// a where the mask is true, else b.
+template <class T>
+MYOGROWTH_FUNCTION constexpr T select(bool mask, const T& a, const T& b) {
+  return mask ? a : b;
+}
+/// Whether the mask is true in any lane.
+MYOGROWTH_FUNCTION constexpr bool any(bool mask) { return mask; }
+/// The smaller and the larger; b where either is NaN.
+template <class T>
+MYOGROWTH_FUNCTION constexpr T minimum(const T& a, const T& b) {
+  return value(a) < value(b) ? a : b;
+}
+template <class T>
+MYOGROWTH_FUNCTION constexpr T maximum(const T& a, const T& b) {
+  return value(a) > value(b) ? a : b;
+}
+/// a/b to 12 and to 8 digits, where that is faster; for numbers it is not.
+template <class T>
+MYOGROWTH_FUNCTION constexpr T near_quotient(const T& a, const T& b) {
+  return a / b;
+}
+template <class T>
+MYOGROWTH_FUNCTION constexpr T rough_quotient(const T& a, const T& b) {
+  return a / b;
+}
+/// Whether x is too small for a pack's fast divisions; numbers have none.
+template <class T>
+MYOGROWTH_FUNCTION constexpr bool beyond_reciprocals(const T&) {
+  return false;
+}
+/// @}
 
 /// The step from 1 to the next number, as far as a number has digits: what tolerances are made of. (`epsilon`
 /// of a long double made of two doubles, as on ppc64le, is the smallest number of all.)

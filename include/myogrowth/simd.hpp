@@ -666,8 +666,8 @@ typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& err
   return (k * P(F::ln2_high) - (rest - f)).v[0];
 }
 
-/// e^x; one register.
-template <class V, int N>
+/// e^x, or e^x - 1; one register.
+template <bool less_one, class V, int N>
 typename Pack<V, N>::Lanes exponential(const Pack<V, N>& x) {
   using P = Pack<V, N>;
   using Lanes = typename P::Lanes;
@@ -688,10 +688,11 @@ typename Pack<V, N>::Lanes exponential(const Pack<V, N>& x) {
                                  0.00019841269863053616878, 0.0013888888917213716901,
                                  0.0083333333333300618325,  0.041666666666624127873,
                                  0.16666666666666667453,    0.50000000000000010221};
-  const P e = P(V(1)) + multiply_add(r * r, horner(r, E, 10), r);
+  const P one(V(1)), e_less_1 = multiply_add(r * r, horner(r, E, 10), r);
   P two_k;
   two_k.v[0] = (Lanes)(((Bits)shifted.v[0] << F::digits) + F::one);
-  return select(x < low, P(V(0)), e * two_k).v[0];
+  if (less_one) return select(x < low, -one, multiply_add(e_less_1, two_k, two_k - one)).v[0];
+  return select(x < low, P(V(0)), (one + e_less_1) * two_k).v[0];
 }
 
 }  // namespace detail
@@ -722,7 +723,15 @@ Pack<V, N> log(const Pack<V, N>& x) {
 template <class V, int N>
 Pack<V, N> exp(const Pack<V, N>& x) {
   Pack<V, N> y;
-  for (int k = 0; k < y.parts; ++k) y.v[k] = detail::exponential(x.part(k));
+  for (int k = 0; k < y.parts; ++k) y.v[k] = detail::exponential<false>(x.part(k));
+  return y;
+}
+
+/// e^x - 1, with all digits also near 0; -1 where e^x is below the normal range.
+template <class V, int N>
+Pack<V, N> expm1(const Pack<V, N>& x) {
+  Pack<V, N> y;
+  for (int k = 0; k < y.parts; ++k) y.v[k] = detail::exponential<true>(x.part(k));
   return y;
 }
 
@@ -758,6 +767,17 @@ constexpr bool is_zero(const Pack<V, N>&) {
 /// The number type under a pack. Not defined: a pack has no one value.
 template <class V, int N>
 V value(const Pack<V, N>&);
+/// What comparisons are made of: the pack as it is.
+template <class V, int N>
+const Pack<V, N>& deciding(const Pack<V, N>& x) {
+  return x;
+}
+/// Where x > 0 is so small that the fast division by 1/x has left its range.
+template <class V, int N>
+Mask<V, N> beyond_reciprocals(const Pack<V, N>& x) {
+  constexpr V epsilon = last_place<V>();
+  return !(x > Pack<V, N>(1 / ((std::numeric_limits<V>::max)() * epsilon * epsilon)));
+}
 
 }  // namespace simd
 }  // namespace myogrowth

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <myogrowth/growth_solve.hpp>
+#include <myogrowth/growth_step.hpp>
 
 #include "../support/samples.hpp"
 

@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <myogrowth/growth_solve.hpp>
+#include <myogrowth/growth_step.hpp>
 
 #include "../support/dual.hpp"
 #include "../support/reference.hpp"

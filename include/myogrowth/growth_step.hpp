@@ -1,0 +1,502 @@
+/// @file
+/// One backward-Euler step of the growth law (paper, eq. 4): G and dG/dlambda. It cannot fail.
+///
+///   R(G) = G - G_n - dt k_g(G) (lambda/G - lambda_crit) = 0
+///
+/// If lambda <= lambda_crit G_n, or G_n >= G_max, or dt <= 0, nothing grows. Otherwise the bracket
+/// [G_n, min(G_max, lambda/lambda_crit)] holds exactly one root for any dt, because k_g and the criterion are
+/// positive and decreasing there, so that R' >= 1. Removal is the mirror image, from G_n down to
+/// max(G_min, lambda/lambda_crit_rev). The code has both, by a sign.
+///
+/// The unknown is the part y of the way to the limit (G_max or G_min) that the step goes: G = G_n + sign r y,
+/// r = |limit - G_n|. With the growth number a = dt k_g(G_n), R G/r^2 = 0 is
+///
+///   E (alpha + sign y) y = A (1 - y)^gamma (Q - crit y)
+///
+///   alpha = G_n/r,  Q = |lambda - crit G_n|/r,  (A, E) = (a/r, 1), and (1/r, 1/a) where a > 1
+///
+/// so that nothing overflows for any dt. Two steps of order four from y = 0 solve it in most cases. Newton's
+/// method does the rest: for gamma >= 1 it climbs to the root from one side; for 0 < gamma < 1 it does so in
+/// the variable (1 - y)^gamma; for gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
+///
+/// One text serves numbers and SIMD packs (simd.hpp), whose comparisons give one answer a lane.
+#ifndef MYOGROWTH_GROWTH_STEP_HPP
+#define MYOGROWTH_GROWTH_STEP_HPP
+
+#include <limits>
+
+#include "growth_rate.hpp"
+
+namespace myogrowth {
+
+/// Result of one time step of eq. 4.
+template <class T>
+struct GrowthStep {
+  T G;             ///< sarcomere number at the end of the step [-]
+  T dG_dlambda;    ///< its derivative with respect to the total stretch at the end, at fixed G_n and dt [-]
+  int iterations;  ///< iterations of the local solve; 0: nothing grew
+};
+
+namespace detail {
+
+/// The parameters of growth (sign 1) or of removal (-1), and the quotients that all points share.
+template <class P, int sign>
+struct Branch {
+  P limit, gamma, crit;             ///< G_max or G_min, and the exponent and threshold that go with it
+  P per_time, per_width, per_crit;  ///< 1/tau or 1/tau_rev; 1/|limit - where the capacity is 1|; 1/crit
+  Exponent<P> to_gamma;
+
+  MYOGROWTH_FUNCTION Branch(const P& limit_, const P& gamma_, const P& crit_, const P& width, const P& time)
+      : limit(limit_),
+        gamma(gamma_),
+        crit(crit_),
+        per_time(P(1) / time),
+        per_width(P(1) / width),
+        per_crit(P(1) / crit_),
+        to_gamma(gamma_) {}
+
+  /// The values of one that carries derivatives.
+  template <class Q>
+  MYOGROWTH_FUNCTION explicit Branch(const Branch<Q, sign>& b)
+      : limit(value(b.limit)),
+        gamma(value(b.gamma)),
+        crit(value(b.crit)),
+        per_time(value(b.per_time)),
+        per_width(value(b.per_width)),
+        per_crit(value(b.per_crit)),
+        to_gamma(gamma) {}
+
+  /// sign (a - b): how far a is ahead of b on the way to the limit.
+  template <class T>
+  MYOGROWTH_FUNCTION static T ahead(const T& a, const T& b) {
+    return sign > 0 ? T(a - b) : T(b - a);
+  }
+  /// a + sign y: where one is on this way who goes on by y from a.
+  template <class T>
+  MYOGROWTH_FUNCTION static T on(const T& a, const T& y) {
+    return sign > 0 ? T(a + y) : T(a - y);
+  }
+  /// Whether a comes before b on this way.
+  template <class T>
+  MYOGROWTH_FUNCTION static auto precedes(const T& a, const T& b) {
+    return sign > 0 ? a < b : b < a;
+  }
+  /// The first of two on this way.
+  template <class T>
+  MYOGROWTH_FUNCTION static T first(const T& a, const T& b) {
+    return sign > 0 ? minimum(a, b) : maximum(a, b);
+  }
+  /// The last of two on this way.
+  template <class T>
+  MYOGROWTH_FUNCTION static T last(const T& a, const T& b) {
+    return sign > 0 ? maximum(a, b) : minimum(a, b);
+  }
+  /// Where growth ends under a stretch: the limit, or where lambda_e has come to its threshold.
+  template <class T>
+  MYOGROWTH_FUNCTION T end(const T& lambda) const {
+    return first(quotient(lambda, T(crit), T(per_crit)), T(limit));
+  }
+};
+
+template <class P>
+MYOGROWTH_FUNCTION Branch<P, 1> branch_of(const GrowthRate<P>& growth) {
+  return {growth.G_max, growth.gamma, growth.lambda_crit, growth.G_max - P(1), growth.growth_time};
+}
+template <class P>
+MYOGROWTH_FUNCTION Branch<P, -1> branch_of(const GrowthRate<P>& growth, const RemovalRate<P>& removal) {
+  return {removal.G_min, removal.gamma, removal.lambda_crit, growth.G_max - removal.G_min,
+          removal.removal_time};
+}
+
+/// Where the muscle grows, and where sarcomeres are removed, under the stretch lambda. T: a plain number or a
+/// pack.
+/// @{
+template <class T, class P>
+MYOGROWTH_FUNCTION LaneMask<T> grows(const GrowthRate<P>& growth, const T& G_n, const T& lambda,
+                                     const T& dt) {
+  const T zero(Real<T>(0));
+  return (dt > zero) & (lambda > T(value(growth.lambda_crit)) * G_n) & (G_n < T(value(growth.G_max)));
+}
+template <class T, class P>
+MYOGROWTH_FUNCTION LaneMask<T> shrinks(const RemovalRate<P>& removal, const T& G_n, const T& lambda,
+                                       const T& dt) {
+  const T zero(Real<T>(0));
+  return (T(value(removal.removal_time)) > zero) & (dt > zero) &
+         (lambda < T(value(removal.lambda_crit)) * G_n) & (G_n > T(value(removal.G_min)));
+}
+/// @}
+
+/// The equation of a step in y (above).
+template <class T>
+struct StepEquation {
+  T r, per_r, alpha, Q, A, E;
+  LaneMask<T> out_of_range;  ///< lanes of a pack whose 1/a its fast division cannot take
+};
+
+template <class T, class P, int sign>
+MYOGROWTH_FUNCTION StepEquation<T> equation_of(const Branch<P, sign>& b, const T& r, const T& G_n,
+                                               const T& lambda, const T& dt) {
+  const T one(Real<T>(1)), per_r = one / r;
+  const T a = dt * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
+  StepEquation<T> eq{r,
+                     per_r,
+                     G_n * per_r,
+                     b.ahead(lambda, T(T(b.crit) * G_n)) * per_r,
+                     a * per_r,
+                     one,
+                     deciding(one) < deciding(one)};
+  const auto steep = deciding(a) > deciding(one);
+  if (any(steep)) {
+    eq.E = select(steep, T(one / select(steep, a, one)), one);
+    eq.A = select(steep, per_r, eq.A);
+    eq.out_of_range = beyond_reciprocals(eq.E);
+  }
+  return eq;
+}
+
+/// The two sides of the equation at a G, and what its derivative is made of.
+template <class T>
+struct StepSides {
+  T x, y, g;      ///< |limit - G|/r, |G - G_n|/r and G/r
+  T k, kq, done;  ///< A x^gamma; right side; left side
+};
+template <class T, class P, int sign>
+MYOGROWTH_FUNCTION StepSides<T> sides(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& x,
+                                      const T& y, const T& g, const T& q) {
+  const T k = eq.A * b.to_gamma(x);
+  return {x, y, g, k, k * q, eq.E * g * y};
+}
+/// By y, which has more digits where the step is short; `x` as it is to be taken.
+template <class T, class P, int sign>
+MYOGROWTH_FUNCTION StepSides<T> sides_at_y(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& y,
+                                           const T& x) {
+  return sides(b, eq, x, y, b.on(eq.alpha, y), T(eq.Q - T(b.crit) * y));
+}
+/// By G, which has more digits near the limit.
+template <class T, class P, int sign>
+MYOGROWTH_FUNCTION StepSides<T> sides_at_G(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& G_n,
+                                           const T& lambda, const T& G) {
+  return sides(b, eq, T(b.ahead(T(b.limit), G) * eq.per_r), T(b.ahead(G, G_n) * eq.per_r), T(G * eq.per_r),
+               T(b.ahead(lambda, T(T(b.crit) * G)) * eq.per_r));
+}
+
+/// x times the derivative of (left - right) at the root, where both are `side`.
+template <class T, class P, int sign>
+MYOGROWTH_FUNCTION T slope_times_x(const Branch<P, sign>& b, const StepEquation<T>& eq, const StepSides<T>& s,
+                                   const T& side) {
+  return (eq.E * b.on(s.g, s.y) + s.k * T(b.crit)) * s.x + T(b.gamma) * side;
+}
+
+/// A step to the root by Householder's method of order four, as numerator and denominator.
+///
+/// At y + x t, (1 - y)^gamma is x^gamma (1 - t)^gamma, whose derivatives need no division, and left - right
+/// is
+///
+///   -f + b t + a2 t^2 + a3 t^3 + ...
+template <class T>
+struct Fraction {
+  T over, under;
+};
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION Fraction<T> fourth_order_step(const Branch<V, sign>& b, const T& kq, const T& kc,
+                                                 const T& done, const T& rate, const T& curvature) {
+  const V c = b.gamma;
+  const T g1(c), g2(c * (c - 1) / 2), g3(c * (c - 1) * (c - 2) * V(1.0 / 6));
+  const T f = kq - done, slope = (rate + kc) + g1 * kq;
+  const T a2 = b.ahead(curvature, T(V(0))) - g1 * kc - g2 * kq, a3 = g2 * kc + g3 * kq;
+  const T square = slope * slope;
+  return {f * (square + a2 * f), slope * square + f * ((a2 + a2) * slope + a3 * f)};
+}
+
+/// y at the end of the bracket.
+template <class T, class P, int sign>
+MYOGROWTH_FUNCTION T part_of(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& G_n,
+                             const T& end) {
+  return select(end == T(b.limit), T(P(1)), T(b.ahead(end, G_n) * eq.per_r));
+}
+
+/// Whether an explicit step would leave the bracket.
+template <class T>
+MYOGROWTH_FUNCTION LaneMask<T> leaves_bracket(const StepEquation<T>& eq, const T& y_end) {
+  return eq.A * eq.Q > eq.E * eq.alpha * y_end;
+}
+
+/// A start before the root that is far better than G_n when the step is long: its distance u from the end of
+/// the bracket, in y. At the root the right side is at most `bound`, which limits u in three ways: by what is
+/// left of its two factors at the end itself, and by their product.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION T long_step_start(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& lambda,
+                                     const T& end, const T& y_end) {
+  const T zero(V(0)), one(V(1)), crit(b.crit), limit(b.limit);
+  const T bound = eq.E * (sign > 0 ? T(eq.alpha + y_end) : eq.alpha) * y_end / eq.A;
+  const auto at_limit = end == limit;
+  const T q_end = select(at_limit, T(b.ahead(lambda, T(crit * limit)) * eq.per_r), zero);
+  const T k_end = b.to_gamma(T(b.ahead(limit, end) * eq.per_r));
+  // Each bound counts only where it is below 1: so no power overflows.
+  T u = y_end;
+  const auto tighten = [&](const T& over, const T& under, V exponent) {
+    const auto there = under > over;
+    const T part = select(there, T(over / select(there, under, one)), one);
+    u = minimum(u, exponent == 1 ? part : T(pow(part, exponent)));
+  };
+  tighten(bound, q_end, 1 / b.gamma);
+  tighten(bound, T(crit * k_end), 1);
+  tighten(bound, crit, 1 / (b.gamma + 1));
+  return u * T(1 + 64 * last_place<V>());  // before the root in spite of rounding
+}
+
+/// gamma = 0: the equation is quadratic in y, and in G/r, which has more digits where much is removed.
+template <class T>
+struct QuadraticRoot {
+  T y, g;
+};
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION QuadraticRoot<T> root_of_quadratic(const Branch<V, sign>& b, const StepEquation<T>& eq,
+                                                      const T& lambda) {
+  const T Ac = eq.A * T(b.crit), Ea = eq.E * eq.alpha, difference = Ac - Ea, two(V(2));
+  const T product = two * eq.A * (lambda * eq.per_r);
+  const T root = sqrt(T(difference * difference + two * eq.E * product));
+  const T sum = abs(difference) + root;
+  const auto is_steep = difference > T(V(0));
+  return {two * eq.A * eq.Q / (Ea + Ac + root),
+          select(is_steep, product, sum) / select(is_steep, sum, two * eq.E)};
+}
+
+/// The root as a number, by halving the bracket down to rounding: for parameters so far out (gamma in the
+/// hundreds, G_max beyond 1e60) that Newton's method would take long or lose its digits.
+template <class V, int sign>
+MYOGROWTH_FUNCTION MYOGROWTH_APART V bisect(Branch<V, sign> b, StepEquation<V> eq, V G_n, V lambda, V end,
+                                            int& iterations) {
+  V G = G_n;
+  constexpr int most = 200;  // 12 geometric means bring any two numbers near, 64 halvings to rounding
+  for (int i = 0; i < most; ++i) {
+    ++iterations;
+    const bool near_by = end <= 4 * G && G <= 4 * end;
+    const V middle = near_by ? G + (end - G) / 2 : sqrt(G) * sqrt(end);
+    if (!(b.precedes(G, middle) && b.precedes(middle, end))) break;
+    const StepSides<V> s = sides_at_G(b, eq, G_n, lambda, middle);
+    (s.kq > s.done ? G : end) = middle;
+  }
+  return G;
+}
+
+/// Below this alpha the powers of it that a step multiplies may leave the range.
+template <class V>
+MYOGROWTH_FUNCTION constexpr V least_alpha() {
+  return sizeof(V) < sizeof(double) ? V(1e-3) : V(1e-60);
+}
+
+/// The step in y that a Newton step in z = (1 - y)^gamma is, given the Newton step in y.
+template <class T, class V>
+MYOGROWTH_FUNCTION T step_of_power(const T& step, const T& x, V gamma) {
+  return -x * expm1(T(log1p(T(T(-gamma) * step / x)) / T(gamma)));
+}
+
+/// What Newton's method found.
+template <class T>
+struct StepRoot {
+  T G;
+  LaneMask<T> left;  ///< the lanes without a result: they need bisection
+  int iterations;
+};
+
+/// Newton's method for the lanes `active`, in G for gamma >= 1 and in |limit - G|^gamma for 0 < gamma < 1.
+/// The iterates go towards the root from G_n's side; from a start behind the root the first step leads before
+/// it. (For removal with 0 < gamma < 1 of more than half of G_n a step may pass the root, and bisection takes
+/// over.)
+///
+/// What it takes comes by value: a reference would keep the caller's numbers in memory.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION MYOGROWTH_APART StepRoot<T> newton(Branch<V, sign> b, StepEquation<T> eq, T G_n, T lambda,
+                                                      T end, T start, LaneMask<T> active) {
+  constexpr V epsilon = last_place<V>();
+  constexpr int patience = 64;  // three times what gamma = 20 takes
+  const T zero(V(0)), one(V(1)), gamma_plus_1(b.gamma + 1), smallest(least_alpha<V>());
+  const LaneMask<T> none = one < zero, lost = active & !(eq.alpha > smallest);
+  const T y_end = part_of(b, eq, G_n, end);
+  LaneMask<T> is_long = leaves_bracket(eq, y_end);
+  is_long = active & is_long;
+  LaneMask<T> may_be_behind = b.precedes(G_n, start) & b.precedes(start, end) & !is_long, moved = none;
+  StepRoot<T> root{select(may_be_behind, start, G_n), lost, 0};
+  T& G = root.G;
+  if (any(is_long))
+    G = select(is_long, b.last(b.on(end, T(-eq.r * long_step_start(b, eq, lambda, end, y_end))), G_n), G);
+  active = active & !lost;
+  for (; root.iterations < patience && any(active); ++root.iterations) {
+    const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, select(active, G, G_n));
+    const T residual = (s.kq - s.done) * s.x, slope = slope_times_x(b, eq, s, s.kq);
+    // For growth R is concave over G, which is the equation over G/r; for removal the equation itself.
+    const T over = sign > 0 ? T(residual * s.g) : residual;
+    const T under = sign > 0 ? T(slope * s.g + residual) : slope;
+    T step = rough_quotient(select(active, over, zero), select(active, under, one));
+    if (b.gamma < 1) step = step_of_power(step, s.x, b.gamma);
+    const T next = b.on(G, T(eq.r * step)), g = next * eq.per_r;
+    const auto onward = b.precedes(G, next), within = b.precedes(next, end);
+    const auto passed = moved & (-step > T(16 * epsilon) * s.g);  // else backward by rounding only
+    root.left = root.left | (active & passed);
+    if (sign < 0) root.left = root.left | (active & (b.ahead(next, end) > T(64 * epsilon) * G));
+    const auto goes = active & (onward | may_be_behind);
+    // What Newton's method leaves is step^2 R''/(2 R'), and R''/R' is at most 2 gamma/x + 2/g (a little
+    // more for gamma < 1): the last step leaves less than half of G's last place.
+    const auto last = step * step * (gamma_plus_1 * g + s.x) < T(epsilon / 4) * g * g * s.x;
+    G = select(goes, b.last(b.first(next, end), G_n), G);
+    active = goes & within & !last;
+    moved = onward;
+    may_be_behind = none;
+  }
+  root.left = root.left | active;
+  return root;
+}
+
+/// The lanes that Newton's method left: a number goes on by bisection, a pack leaves them to its caller.
+/// @{
+template <class V, int sign>
+MYOGROWTH_FUNCTION void go_on(const Branch<V, sign>& b, const StepEquation<V>& eq, V G_n, V lambda, V end,
+                              StepRoot<V>& root, std::true_type) {
+  if (root.left) root.G = bisect(b, eq, G_n, lambda, end, root.iterations);
+  root.left = false;
+}
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION void go_on(const Branch<V, sign>&, const StepEquation<T>&, const T&, const T&, const T&,
+                              StepRoot<T>&, std::false_type) {}
+/// @}
+
+/// dG/dlambda at the root, by the implicit function theorem; 0 where G is not free to change.
+template <class T, class P, int sign, class Mask>
+MYOGROWTH_FUNCTION T dG_dlambda_of(const Branch<P, sign>& b, const StepEquation<T>& eq, const StepSides<T>& s,
+                                   const Mask& is_free) {
+  const T zero(Real<T>(0)), tiny((std::numeric_limits<Real<T>>::min)());
+  const T derivative = s.k * s.x / maximum(slope_times_x(b, eq, s, s.done), tiny);
+  // (Its bound, where k x has lost its digits.)
+  return select(is_free, sign > 0 ? minimum(derivative, T(b.per_crit)) : derivative, zero);
+}
+
+/// One step in the lanes that move: G and dG/dlambda.
+template <class T>
+struct SolvedStep {
+  T x, y;  ///< what is left of the way to the limit, and what is done of it [-]
+  T G, dG_dlambda;
+  LaneMask<T> left;  ///< lanes without a result, in packs
+  int iterations;
+};
+
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const LaneMask<T>& moves,
+                                                const T& G_n, const T& lambda, const T& dt) {
+  const T zero(V(0)), one(V(1)), limit(b.limit), crit(b.crit);
+  constexpr V epsilon = last_place<V>();
+  // A lane that does not move has A = 0, and y = 0.
+  const StepEquation<T> eq =
+      equation_of(b, select(moves, b.ahead(limit, G_n), one), G_n, lambda, select(moves, dt, zero));
+  const T end = b.end(lambda);
+  // If an explicit step would leave the bracket, steps from y = 0 lead nowhere. (Packs ask later, if at all.)
+  const bool is_long = std::is_same<T, V>::value && any(leaves_bracket(eq, part_of(b, eq, G_n, end)));
+  LaneMask<T> left = moves & eq.out_of_range, solved = !moves;
+  T y = zero, G = G_n;
+  int iterations = 0;
+  if (b.gamma >= 1 && !is_long) {
+    iterations = 1;
+    const T kc = eq.A * crit;
+    const Fraction<T> from_0 = fourth_order_step(b, T(eq.A * eq.Q), kc, zero, T(eq.E * eq.alpha), eq.E);
+    y = rough_quotient(from_0.over, from_0.under);
+    // Growth goes on in y; removal in G, which may be far below G_n, where y has too few digits for it.
+    const T nearest(epsilon), G_1 = b.first(b.on(G_n, T(eq.r * y)), b.on(limit, T(-eq.r * nearest)));
+    StepSides<T> s =
+        sign > 0 ? sides_at_y(b, eq, y, maximum(T(one - y), nearest)) : sides_at_G(b, eq, G_n, lambda, G_1);
+    const Fraction<T> more = fourth_order_step(b, s.kq, T(s.k * crit * s.x), s.done,
+                                               T(eq.E * b.on(s.g, s.y) * s.x), T(eq.E * (s.x * s.x)));
+    const T step = near_quotient(T(s.x * more.over), more.under);
+    y = s.y + step;
+    G = sign > 0 ? b.on(G_n, T(eq.r * y)) : b.on(G_1, T(eq.r * step));
+    // What such a step leaves is well below C^3 step^4, C = (1 + gamma)/x + 1/g: less than G's last place
+    // is left. It may lead astray, but growth has only one root with y < 1 and g > 0; removal has one in
+    // the bracket.
+    const T g = b.on(s.g, step), unit = g * s.x;
+    const T C_step = step * (T(1 + b.gamma) * g + s.x);
+    solved = solved | ((C_step * C_step * abs(T(C_step * step)) < T(epsilon) * g * (unit * unit * unit)));
+    if (sign < 0) solved = solved & ((y <= part_of(b, eq, G_n, end)) | (!moves));
+  } else if (!(b.gamma > epsilon)) {  // k is constant to rounding
+    iterations = 1;
+    const QuadraticRoot<T> root = root_of_quadratic(b, eq, lambda);
+    y = root.y;
+    G = sign > 0 ? b.on(G_n, T(eq.r * y)) : T(eq.r * root.g);
+    solved = solved | (y >= zero);
+  }
+  T x = sign > 0 ? T(one - y) : T(b.ahead(limit, G) * eq.per_r);
+  const auto active = moves & !solved & !left;
+  if (any(active)) {
+    StepRoot<T> root = newton(b, eq, G_n, lambda, end, G, active);
+    go_on(b, eq, G_n, lambda, end, root, std::is_same<T, V>());
+    G = select(active, root.G, G);
+    left = left | root.left;
+    iterations += root.iterations;
+    const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, G);
+    y = select(active, s.y, y);
+    x = select(active, s.x, x);
+  }
+  G = b.last(b.first(G, end), G_n);
+  const StepSides<T> s = sides(b, eq, maximum(x, zero), y, T(G * eq.per_r), zero);
+  return {s.x, y, G, dG_dlambda_of(b, eq, s, b.precedes(G, limit)), left, iterations};
+}
+
+/// The step of a number.
+/// @{
+template <class T, int sign>
+MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<T, sign>& b, const T& G_n, const T& lambda, const T& dt,
+                                         std::true_type) {
+  const SolvedStep<T> s = backward_euler(b, true, G_n, lambda, dt);
+  return {s.G, s.dG_dlambda, s.iterations};
+}
+/// Of one that carries derivatives, by the implicit function theorem: one Newton step from the root of the
+/// values, of which only the derivatives are taken.
+template <class T, class P, int sign>
+MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<P, sign>& b, const T& G_n, const T& lambda, const T& dt,
+                                         std::false_type) {
+  using V = Real<T>;
+  const SolvedStep<V> values = backward_euler(Branch<V, sign>(b), true, value(G_n), value(lambda), value(dt));
+  if (!b.precedes(values.G, V(value(b.limit)))) return {T(b.limit), T(V(0)), values.iterations};
+  const StepEquation<T> eq = equation_of(b, b.ahead(T(b.limit), G_n), G_n, lambda, dt);
+  const T x(values.x), y(values.y);
+  StepSides<T> s = sides(b, eq, x, y, b.on(eq.alpha, y), T(eq.Q - T(b.crit) * y));
+  T step = (s.kq - s.done) * s.x / slope_times_x(b, eq, s, s.done);
+  step = step - T(value(step));
+  const T y_end = y + step, G = b.on(G_n, T(eq.r * y_end));
+  s = sides_at_y(b, eq, y_end, T(x - step));
+  return {G + T(values.G - value(G)), dG_dlambda_of(b, eq, s, true), values.iterations};
+}
+/// @}
+
+}  // namespace detail
+
+/// Solves R(G) = 0 (above) for one step of length dt [time] under the total stretch lambda at its end; with
+/// removal as well, if it is on.
+///
+/// Works for every G_n > 0, lambda > 0 and dt, also infinite. G never leaves the bracket above.
+/// dG/dlambda is the exact derivative of this discrete update, from the implicit function theorem at the
+/// converged G; it is 0 at the thresholds, at G_max and at G_min, and for growth lies in [0, 1/lambda_crit].
+template <class T, class P>
+MYOGROWTH_FUNCTION GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const RemovalRate<P>& removal,
+                                              const T& G_n, const T& lambda,
+                                              const std::common_type_t<P>& dt) {
+  using V = Real<T>;
+  const std::is_same<T, V> is_number{};
+  const V G = value(G_n), stretch = value(lambda), time = value(dt);
+  if (detail::grows(growth, G, stretch, time)) {
+    return detail::step_of(detail::branch_of(growth), G_n, lambda, T(dt), is_number);
+  }
+  if (detail::shrinks(removal, G, stretch, time)) {
+    return detail::step_of(detail::branch_of(growth, removal), G_n, lambda, T(dt), is_number);
+  }
+  return {G_n, T(V(0)), 0};
+}
+
+/// The same without removal.
+template <class T, class P>
+MYOGROWTH_FUNCTION GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const T& G_n, const T& lambda,
+                                              const std::common_type_t<P>& dt) {
+  return solve_growth(growth, RemovalRate<P>(), G_n, lambda, dt);
+}
+
+}  // namespace myogrowth
+
+#endif
