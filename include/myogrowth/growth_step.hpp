@@ -388,9 +388,12 @@ MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const 
   // A lane that does not move has A = 0, and y = 0.
   const StepEquation<T> eq =
       equation_of(b, select(moves, b.ahead(limit, G_n), one), G_n, lambda, select(moves, dt, zero));
-  const T end = b.end(lambda);
+  const T end = b.end(lambda), nan(std::numeric_limits<V>::quiet_NaN());
+  constexpr bool is_number = std::is_same<T, V>::value;
+  // (A time or a gamma so far out that the growth number is 0 times infinity.)
+  if (is_number && any(!is_finite(eq.A))) return {nan, nan, nan, nan, !moves, 0};
   // If an explicit step would leave the bracket, steps from y = 0 lead nowhere. (Packs ask later, if at all.)
-  const bool is_long = std::is_same<T, V>::value && any(leaves_bracket(eq, part_of(b, eq, G_n, end)));
+  const bool is_long = is_number && any(leaves_bracket(eq, part_of(b, eq, G_n, end)));
   LaneMask<T> left = moves & eq.out_of_range, solved = !moves;
   T y = zero, G = G_n;
   int iterations = 0;
@@ -454,6 +457,7 @@ MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<P, sign>& b, const T& G_n,
                                          std::false_type) {
   using V = Real<T>;
   const SolvedStep<V> values = backward_euler(Branch<V, sign>(b), true, value(G_n), value(lambda), value(dt));
+  if (!is_finite(values.G)) return {T(values.G), T(values.G), 0};
   if (!b.precedes(values.G, V(value(b.limit)))) return {T(b.limit), T(V(0)), values.iterations};
   const StepEquation<T> eq = equation_of(b, b.ahead(T(b.limit), G_n), G_n, lambda, dt);
   const T x(values.x), y(values.y);
