@@ -31,11 +31,12 @@ bool find_fault(int ntens, int ndi, int nshr, int nstatv, const double* statev, 
 }
 
 // The results of a call that has none: NaN, so that a host that ignores PNEWDT cannot continue silently.
-// J_hat: STRESS(NTENS+1:NTENS+3) of a mixed element, else null.
+// NTENS may be what no array has. J_hat: STRESS(NTENS+1:NTENS+3) of a mixed element, else null.
 void refuse(int ntens, double* stress, double* ddsdde, double* sse, double* J_hat, double* pnewdt) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (int i = 0; i < ntens; ++i) stress[i] = nan;
-  for (int i = 0; i < ntens * ntens && ntens > 0; ++i) ddsdde[i] = nan;
+  const int n = ntens < 0 ? 0 : ntens < 6 ? ntens : 6;
+  for (int i = 0; i < n; ++i) stress[i] = nan;
+  for (int i = 0; i < n * n; ++i) ddsdde[i] = nan;
   if (J_hat) J_hat[1] = J_hat[2] = nan;
   *sse = nan;
   abi::lower(*pnewdt, abi::cut_back);
@@ -59,7 +60,7 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
                                    const int* /*layer*/, const int* /*kspt*/, const int* /*kstep*/,
                                    const int* /*kinc*/) {
   *rpl = *drpldt = 0;
-  for (int i = 0, n = *ntens; i < n; ++i) ddsddt[i] = drplde[i] = 0;
+  for (int i = 0, n = *ntens; i < n && i < 6; ++i) ddsddt[i] = drplde[i] = 0;
 
   // Check. STATEV is as it came in wherever there is no result.
   abi::Properties properties;

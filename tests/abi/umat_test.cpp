@@ -413,6 +413,8 @@ INSTANTIATE_TEST_SUITE_P(
                  [](Call& c) { c.ndi = 0, c.nshr = 0; },
                  {"NTENS = 6, NDI = 0, NSHR = 0", "must be 3 and 3"}},
         BadInput{"ntens_5", [](Call& c) { c.ntens = 5; }, {"NTENS = 5", "6 (solids)"}},
+        BadInput{"ntens_7", [](Call& c) { c.ntens = 7; }, {"NTENS = 7", "6 (solids)"}},
+        BadInput{"ntens_huge", [](Call& c) { c.ntens = 1000000; }, {"NTENS = 1000000", "6 (solids)"}},
         BadInput{"ntens_1", [](Call& c) { c.ntens = 1; }, {"NTENS = 1", "6 (solids)"}},
         BadInput{"ntens_0", [](Call& c) { c.ntens = 0; }, {"NTENS = 0", "6 (solids)"}},
         BadInput{"ntens_negative", [](Call& c) { c.ntens = -1; }, {"NTENS = -1", "6 (solids)"}},
