@@ -37,6 +37,10 @@
 #if defined(_WIN32)
 #define MYOGROWTH_SECOND_NAME(type, name, routine) \
   __pragma(comment(linker, "/alternatename:" MYOGROWTH_TEXT(name) "=" MYOGROWTH_TEXT(routine))) type name
+#elif defined(__APPLE__)  // whose compilers have no alias (not tried by us)
+#define MYOGROWTH_SECOND_NAME(type, name, routine) \
+  type name;                                       \
+  __asm__(".globl _" MYOGROWTH_TEXT(name) "\n.set _" MYOGROWTH_TEXT(name) ", _" MYOGROWTH_TEXT(routine))
 #else
 #define MYOGROWTH_SECOND_NAME(type, name, routine) type name __attribute__((alias(MYOGROWTH_TEXT(routine))))
 #endif
