@@ -54,8 +54,8 @@ struct Flow {
     const T zero(V(0)), one(V(1)), limit(b.limit);
     const T r = select(moves, b.ahead(limit, G_n), one);
     per_r = one / r;
-    // A lane that does not move has an end at distance 1, and stays where it is since a = 0.
-    end = select(moves, b.end(lambda), T(b.on(G_n, one)));
+    // A lane that does not move has an end at half of G_n from it, and stays where it is since a = 0.
+    end = select(moves, b.end(lambda), b.on(G_n, T(G_n * T(V(0.5)))));
     u_n = b.ahead(end, G_n);
     const LaneMask<T> at_limit = moves & (end == limit);
     room_end = select(moves & !at_limit, b.ahead(limit, end), zero);
@@ -85,10 +85,10 @@ struct Flow {
     Integrals sum{T(V(0)), T(V(0))};
     for (int i = 0; i < 10; ++i) {
       const At there = at(middle + half * T(i < 5 ? rule.point[i] : -rule.point[i - 5]));
-      const T per_kappa_q = T(V(1)) / (there.kappa * there.q);
+      const T per_kappa_q = T(V(1)) / (there.kappa * there.q), per_q = rounded(T(there.kappa * per_kappa_q));
       const T f = T(rule.weight[i % 5]) * there.g * there.u * per_kappa_q;
       sum.time = sum.time + f;
-      sum.sensitivity = sum.sensitivity + f * there.kappa * per_kappa_q;
+      sum.sensitivity = sum.sensitivity + f * per_q;
     }
     return {sum.time * half, sum.sensitivity * half};
   }
@@ -200,11 +200,14 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<T> follow(Branch<V, sign> b, LaneM
     const auto some = flow.integrate(p.w, p.part);
     const auto here = flow.at(p.w + p.part);
     const T speed = here.speed(), step = (p.to_go - some.time) * speed, next = p.part + step;
-    p.part = select(active, next, p.part);
+    const LaneMask<T> inside = (zero <= next) & (next <= panel);
+    const LaneMask<T> last = curvature * step * step < T(epsilon / 4) * (p.w + next);
+    p.part = select(active & inside, next, p.part);
     p.sensitivity = select(active, T(before + some.sensitivity + step / (speed * here.q)), p.sensitivity);
-    active = active & !(curvature * step * step < T(epsilon / 4) * (p.w + next));
+    p.left = p.left | (active & !inside);
+    active = active & inside & !last;
   }
-  p.left = p.left | (moves & !p.ended & (active | !((zero <= p.part) & (p.part <= panel))));
+  p.left = p.left | active;
   p.sensitivity = select(p.left, before, p.sensitivity);
   go_on(flow, panel, p, iterations, std::is_same<T, V>());
 

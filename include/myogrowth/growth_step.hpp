@@ -176,8 +176,8 @@ MYOGROWTH_FUNCTION StepSides<T> sides_at_y(const Branch<P, sign>& b, const StepE
 template <class T, class P, int sign>
 MYOGROWTH_FUNCTION StepSides<T> sides_at_G(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& G_n,
                                            const T& lambda, const T& G) {
-  return sides(b, eq, T(b.ahead(T(b.limit), G) * eq.per_r), T(b.ahead(G, G_n) * eq.per_r), T(G * eq.per_r),
-               T(b.ahead(lambda, T(T(b.crit) * G)) * eq.per_r));
+  const T x = b.ahead(T(b.limit), G) * eq.per_r, q = b.ahead(lambda, T(T(b.crit) * G)) * eq.per_r;
+  return sides(b, eq, maximum(x, T(P(0))), T(b.ahead(G, G_n) * eq.per_r), T(G * eq.per_r), q);
 }
 
 /// x times the derivative of (left - right) at the root, where both are `side`.
@@ -226,17 +226,17 @@ MYOGROWTH_FUNCTION LaneMask<T> leaves_bracket(const StepEquation<T>& eq, const T
 /// left of its two factors at the end itself, and by their product.
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION T long_step_start(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& lambda,
-                                     const T& end, const T& y_end) {
+                                     const T& end, const T& y_end, const LaneMask<T>& is_long) {
   const T zero(V(0)), one(V(1)), crit(b.crit), limit(b.limit);
-  const T bound = eq.E * (sign > 0 ? T(eq.alpha + y_end) : eq.alpha) * y_end / eq.A;
+  const T bound = eq.E * (sign > 0 ? T(eq.alpha + y_end) : eq.alpha) * y_end / select(is_long, eq.A, one);
   const auto at_limit = end == limit;
   const T q_end = select(at_limit, T(b.ahead(lambda, T(crit * limit)) * eq.per_r), zero);
-  const T k_end = b.to_gamma(T(b.ahead(limit, end) * eq.per_r));
+  const T k_end = b.to_gamma(select(is_long, T(b.ahead(limit, end) * eq.per_r), one));
   // Each bound counts only where it is below 1: so no power overflows.
   T u = y_end;
   const auto tighten = [&](const T& over, const T& under, V exponent) {
-    const auto there = under > over;
-    const T part = select(there, T(over / select(there, under, one)), one);
+    const LaneMask<T> there = is_long & (under > over);
+    const T part = select(there, over, one) / select(there, under, one);
     u = minimum(u, exponent == 1 ? part : T(pow(part, exponent)));
   };
   tighten(bound, q_end, 1 / b.gamma);
@@ -320,7 +320,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART StepRoot<T> newton(Branch<V, sign> b, StepEqu
   StepRoot<T> root{select(may_be_behind, start, G_n), lost, 0};
   T& G = root.G;
   if (any(is_long))
-    G = select(is_long, b.last(b.on(end, T(-eq.r * long_step_start(b, eq, lambda, end, y_end))), G_n), G);
+    G = select(is_long,
+               b.last(b.on(end, T(-eq.r * long_step_start(b, eq, lambda, end, y_end, is_long))), G_n), G);
   active = active & !lost;
   for (; root.iterations < patience && any(active); ++root.iterations) {
     const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, select(active, G, G_n));
@@ -328,8 +329,9 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART StepRoot<T> newton(Branch<V, sign> b, StepEqu
     // For growth R is concave over G, which is the equation over G/r; for removal the equation itself.
     const T over = sign > 0 ? T(residual * s.g) : residual;
     const T under = sign > 0 ? T(slope * s.g + residual) : slope;
-    T step = rough_quotient(select(active, over, zero), select(active, under, one));
-    if (b.gamma < 1) step = step_of_power(step, s.x, b.gamma);
+    const auto divides = active & (under > zero);  // zero: at the limit, or below all numbers
+    T step = rough_quotient(select(divides, over, zero), select(divides, under, one));
+    if (b.gamma < 1) step = step_of_power(step, select(divides, s.x, one), b.gamma);
     const T next = b.on(G, T(eq.r * step)), g = next * eq.per_r;
     const auto onward = b.precedes(G, next), within = b.precedes(next, end);
     const auto passed = moved & (-step > T(16 * epsilon) * s.g);  // else backward by rounding only
@@ -408,7 +410,9 @@ MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const 
         sign > 0 ? sides_at_y(b, eq, y, maximum(T(one - y), nearest)) : sides_at_G(b, eq, G_n, lambda, G_1);
     const Fraction<T> more = fourth_order_step(b, s.kq, T(s.k * crit * s.x), s.done,
                                                T(eq.E * b.on(s.g, s.y) * s.x), T(eq.E * (s.x * s.x)));
-    const T step = near_quotient(T(s.x * more.over), more.under);
+    // (Products below all numbers say nothing.)
+    const LaneMask<T> is_valid = more.under > T((std::numeric_limits<V>::min)() / epsilon);
+    const T step = near_quotient(T(s.x * more.over), select(is_valid, more.under, one));
     y = s.y + step;
     G = sign > 0 ? b.on(G_n, T(eq.r * y)) : b.on(G_1, T(eq.r * step));
     // What such a step leaves is well below C^3 step^4, C = (1 + gamma)/x + 1/g: less than G's last place
@@ -416,7 +420,9 @@ MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const 
     // the bracket.
     const T g = b.on(s.g, step), unit = g * s.x;
     const T C_step = step * (T(1 + b.gamma) * g + s.x);
-    solved = solved | ((C_step * C_step * abs(T(C_step * step)) < T(epsilon) * g * (unit * unit * unit)));
+    const auto leaves_rounding =
+        C_step * C_step * abs(T(C_step * step)) < T(epsilon) * g * (unit * unit * unit);
+    solved = solved | (is_valid & leaves_rounding);
     if (sign < 0) solved = solved & ((y <= part_of(b, eq, G_n, end)) | (!moves));
   } else if (!(b.gamma > epsilon)) {  // k is constant to rounding
     iterations = 1;
