@@ -9,10 +9,16 @@
 #include <myogrowth/left_stretch.hpp>
 #include <myogrowth/stress_states.hpp>
 
+#include "mgis_layout.hpp"
+
+#include "../support/ccx_host.hpp"
 #include "../support/samples.hpp"
 #include "../support/umat_host.hpp"
 
 using namespace myogrowth;
+
+extern "C" int FibreGrowth_Tridimensional(myogrowth::abi::mgis::BehaviourData* d);
+extern "C" int FibreGrowth_PlaneStress(myogrowth::abi::mgis::BehaviourData* d);
 
 namespace {
 
@@ -232,5 +238,48 @@ TEST(Traps, Vumat) {
           });
           EXPECT_TRUE(std::isfinite(stress[0]));
         });
+  });
+}
+
+TEST(Traps, CalculiX) {
+  expect_no_flags(100000, [](samples::Random& r, const auto& guarded) {
+    const Case c = ordinary(r);
+    std::vector<double> props = c.props;
+    double stress[6], ddsdde[36], statev[8] = {c.G, 0, c.lambda}, pnewdt = -1;
+    const int n_state = 8, n_props = static_cast<int>(props.size());
+    guarded(props, [&] {
+      CCX(stress, statev, ddsdde, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr,
+          nullptr, nullptr, &c.dt, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr,
+          &n_state, props.data(), &n_props, nullptr, nullptr, &pnewdt, nullptr, nullptr, c.F.data(), nullptr,
+          nullptr, nullptr, nullptr, nullptr, nullptr, 0);
+    });
+    EXPECT_TRUE(std::isfinite(stress[0]));
+  });
+}
+
+// In three dimensions and in plane stress, every measure with its operator.
+TEST(Traps, Mgis) {
+  expect_no_flags(100000, [](samples::Random& r, const auto& guarded) {
+    const Case c = ordinary(r);
+    const bool is_plane = r.chance(0.2);
+    const int row[9] = {0, 1, 2, 0, 1, 0, 2, 1, 2}, column[9] = {0, 1, 2, 1, 0, 2, 0, 2, 1};
+    double F0[9] = {1, 1, 1}, F1[9], state0[9] = {c.G, 0, c.lambda}, state1[9], stress[9], K[81], energy,
+           rdt = 1;
+    for (int i = 0; i < 9; ++i) F1[i] = c.F(row[i], column[i]);
+    const int measure = static_cast<int>(r.bits() % 3);
+    K[0] = 4, K[1] = measure, K[2] = measure;  // the consistent operator of that measure
+    const double* properties = c.props.data();
+    myogrowth::abi::mgis::BehaviourData d{
+        nullptr,
+        c.dt,
+        K,
+        &rdt,
+        nullptr,
+        {F0, stress, nullptr, properties, state0, nullptr, nullptr, nullptr},
+        {F1, stress, nullptr, properties, state1, &energy, nullptr, nullptr}};
+    int result = 0;
+    guarded(c.props,
+            [&] { result = is_plane ? FibreGrowth_PlaneStress(&d) : FibreGrowth_Tridimensional(&d); });
+    EXPECT_EQ(result, 1);
   });
 }
