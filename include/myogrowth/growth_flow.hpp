@@ -15,6 +15,14 @@
 
 #include "growth_step.hpp"
 
+// The masks of numbers are bool; & and | serve them and the masks of packs.
+#if defined(__clang__)
+#pragma clang diagnostic push
+#if __has_warning("-Wbitwise-instead-of-logical")
+#pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
+#endif
+#endif
+
 namespace myogrowth {
 namespace detail {
 
@@ -280,5 +288,9 @@ MYOGROWTH_FUNCTION V time_error_of_midpoint_flow(const GrowthRate<V>& growth, co
 /// @}
 
 }  // namespace myogrowth
+
+#if defined(__clang__)
+#pragma clang diagnostic pop
+#endif
 
 #endif

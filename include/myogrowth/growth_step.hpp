@@ -27,6 +27,14 @@
 
 #include "growth_rate.hpp"
 
+// The masks of numbers are bool; & and | serve them and the masks of packs.
+#if defined(__clang__)
+#pragma clang diagnostic push
+#if __has_warning("-Wbitwise-instead-of-logical")
+#pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
+#endif
+#endif
+
 namespace myogrowth {
 
 /// Result of one time step of eq. 4.
@@ -508,5 +516,9 @@ MYOGROWTH_FUNCTION GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const
 }
 
 }  // namespace myogrowth
+
+#if defined(__clang__)
+#pragma clang diagnostic pop
+#endif
 
 #endif

@@ -1,12 +1,13 @@
 // Ten million deterministic growth steps, dt/tau from 1e-12 to 1e300, around every place where the solve
 // could go wrong: never out of the bracket, never NaN, a bounded number of iterations, and a root of the
-// equation.
+// equation. As numbers, and as many once more in the lanes of packs.
 //
 //     solver_fuzz [CASES] [SEED]
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <myogrowth/growth_step.hpp>
+#include <myogrowth/simd.hpp>
 
 #include "../support/samples.hpp"
 
@@ -23,10 +24,9 @@ struct Step {
   double G_n, lambda, dt;
 };
 
-Step random_step(samples::Random& r) {
+void random_material(samples::Random& r, Step& s) {
   const double gammas[] = {0,     1e-20, 1e-3, 0.05, 0.1, 0.3, 0.5, 0.75, 0.999, 1,
                            1.001, 1.5,   2,    2.5,  3,   3.7, 4,   5,    8,     20};
-  Step s;
   s.rate.growth_time = r.log_uniform(1e-3, 1e3);
   s.rate.gamma = r.chance(0.2) ? r.uniform(0, 6) : r.pick(gammas);
   s.rate.G_max = 1 + r.log_uniform(1e-6, 10);
@@ -35,6 +35,9 @@ Step random_step(samples::Random& r) {
     s.removal = {r.log_uniform(1e-3, 1e3), r.chance(0.2) ? r.uniform(0, 6) : r.pick(gammas),
                  1 - r.log_uniform(1e-6, 0.99), s.rate.lambda_crit * r.uniform(0.5, 1)};
   }
+}
+
+void random_state(samples::Random& r, Step& s) {
   const double width = s.rate.G_max - 1;
   switch (r.bits() % 5) {
     case 0:
@@ -70,7 +73,6 @@ Step random_step(samples::Random& r) {
       s.lambda = r.uniform(0.3, 4);
   }
   s.dt = s.rate.growth_time * (r.chance(0.5) ? r.log_uniform(1e-12, 1e300) : r.log_uniform(1e-6, 1e6));
-  return s;
 }
 
 // Whether the root of the equation, grown or shrunk, lies within 8 units in the last place of G.
@@ -88,17 +90,12 @@ bool is_root(const Step& s, double G) {
   return residual(G - ulp) <= 0 && residual(G + ulp) >= 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  const long long cases = argc > 1 ? std::atoll(argv[1]) : 10'000'000;
-  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  samples::Random r(seed);
-  long long grew = 0, iterations = 0, failures = 0;
+// What came of the steps so far, and the first that are wrong.
+struct Tally {
+  long long steps = 0, moved = 0, iterations = 0, failures = 0;
   int worst = 0;
-  for (long long i = 0; i < cases; ++i) {
-    const Step s = random_step(r);
-    const auto step = solve_growth(s.rate, s.removal, s.G_n, s.lambda, s.dt);
+
+  void take(const Step& s, const GrowthStep<double>& step) {
     const double upper = std::max(s.G_n, std::min(s.rate.G_max, s.lambda / s.rate.lambda_crit));
     const bool removes = s.removal.removal_time > 0 && s.lambda < s.removal.lambda_crit * s.G_n;
     const double lower =
@@ -117,13 +114,84 @@ int main(int argc, char** argv) {
           s.removal.removal_time, s.removal.gamma, s.removal.G_min, s.removal.lambda_crit, step.G, lower,
           upper, step.dG_dlambda, step.iterations);
     }
-    grew += step.iterations > 0;
+    ++steps;
+    moved += step.iterations > 0;
     iterations += step.iterations;
     worst = std::max(worst, step.iterations);
-    if ((i + 1) % (cases / 10 + 1) == 0)
-      std::printf("%lld of %lld steps\n", i + 1, cases), std::fflush(stdout);
   }
-  std::printf("%lld steps, %lld grew or shrank, %.2f iterations on average, %d at most, %lld failures\n",
-              cases, grew, static_cast<double>(iterations) / static_cast<double>(grew), worst, failures);
+  void say(const char* what) const {
+    std::printf(
+        "%s: %lld steps, %lld grew or shrank, %.2f iterations on average, %d at most, %lld failures\n", what,
+        steps, moved, static_cast<double>(iterations) / static_cast<double>(moved), worst, failures);
+    std::fflush(stdout);
+  }
+};
+
+#ifndef __SANITIZE_ADDRESS__  // with it compilers take minutes for packs
+// Steps of one material in the lanes of a pack. Returns how many lanes it leaves to the scalar routine; steps
+// so long that 1/dt leaves a pack's range are not counted.
+constexpr int lanes = 16;
+int take_pack(samples::Random& r, Tally& tally) {
+  using P = simd::Pack<double, lanes>;
+  Step steps[lanes], material;
+  random_material(r, material);
+  P G_n, lambda, dt;
+  for (int i = 0; i < lanes; ++i) {
+    steps[i] = material;
+    random_state(r, steps[i]);
+    G_n.set(i, steps[i].G_n), lambda.set(i, steps[i].lambda), dt.set(i, steps[i].dt);
+  }
+  P G = G_n, slope(0.0);
+  auto left = dt < P(0.0);
+  const auto take = [&](const auto& moves, const auto& step) {
+    G = select(moves, step.G, G);
+    slope = select(moves, step.dG_dlambda, slope);
+    left = left | (moves & step.left);
+  };
+  const auto up = detail::grows(material.rate, G_n, lambda, dt);
+  const auto down = detail::shrinks(material.removal, G_n, lambda, dt);
+  if (any(up)) take(up, detail::backward_euler(detail::branch_of(material.rate), up, G_n, lambda, dt));
+  if (any(down)) {
+    take(down,
+         detail::backward_euler(detail::branch_of(material.rate, material.removal), down, G_n, lambda, dt));
+  }
+  const unsigned moves = bits(up | down), is_left = bits(left);
+  int count = 0;
+  for (int i = 0; i < lanes; ++i) {
+    if (is_left >> i & 1u) {
+      count += steps[i].dt < 1e250;
+      ++tally.steps;
+    } else {
+      tally.take(steps[i], {G[i], slope[i], moves >> i & 1u ? 1 : 0});
+    }
+  }
+  return count;
+}
+#endif
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const long long cases = argc > 1 ? std::atoll(argv[1]) : 10'000'000;
+  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  samples::Random r(seed);
+  Tally numbers;
+  for (long long i = 0; i < cases; ++i) {
+    Step s;
+    random_material(r, s);
+    random_state(r, s);
+    numbers.take(s, solve_growth(s.rate, s.removal, s.G_n, s.lambda, s.dt));
+  }
+  numbers.say("numbers");
+  long long failures = numbers.failures;
+#ifndef __SANITIZE_ADDRESS__
+  Tally packs;
+  long long left = 0;
+  while (packs.steps < cases) left += take_pack(r, packs);
+  packs.say("packs");
+  std::printf("packs left %lld lanes to the scalar routine\n", left);
+  failures += packs.failures;
+  if (left > cases / 1000) failures += left;  // packs are made for these steps
+#endif
   return failures == 0 ? 0 : 1;
 }
