@@ -219,7 +219,7 @@ inline double* parameter(FibreGrowth<double>& m, int i) {
 inline void write(const FibreGrowth<double>& material, double (&p)[n_props]) {
   FibreGrowth<double> m = material;
   for (int i = 0; i < n_props; ++i) p[i] = parameter(m, i) ? *parameter(m, i) : property(i).initial;
-  p[10] = m.energy == EnergyPer::grown_volume;
+  p[energy_entry] = m.energy == EnergyPer::grown_volume;
   p[11] = m.integration == TimeIntegration::midpoint_flow;
 }
 
@@ -243,7 +243,7 @@ inline int read(const double (&p)[n_props], Properties& out) {
   out.tolerance = p[12];
   out.hybrid = p[hybrid_entry] != 0;
   if (p[tau_rev_entry] > 0) out.material.removal = RemovalRate<double>{p[13], p[14], p[15], p[16]};
-  out.material.energy = p[10] != 0 ? EnergyPer::grown_volume : EnergyPer::reference_volume;
+  out.material.energy = p[energy_entry] != 0 ? EnergyPer::grown_volume : EnergyPer::reference_volume;
   return -1;
 }
 

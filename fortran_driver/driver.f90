@@ -20,6 +20,7 @@ program driver
   type(material) :: m
   type(report) :: r
   type(path) :: p
+  character(len=:), allocatable :: inputs(:)
   logical :: quiet, wants_help
 
   call read_command_line()
@@ -37,14 +38,16 @@ program driver
   if (umat_file /= '') s%umat_file = umat_file
   if (s%print_every <= 0) s%print_every = s%duration/20
   call set_material()
+  allocate (character(len=max(len(input_file), len(path_file))) :: inputs(2))
+  inputs = [character(len=len(inputs)) :: input_file, path_file]
   if (replay_file /= '') then
     call run_replay(replay_file, m%umat)
   else if (path_file == '') then
-    call open_report(s%folder, quiet, s%log_residuals, .false., s%print_every, r)
+    call open_report(s%folder, inputs, quiet, s%log_residuals, .false., s%print_every, r)
     call run_element(s, m, r)
   else
     p = read_path(path_file)
-    call open_report(s%folder, quiet, .false., .true., 0.0_dp, r)  ! every row is printed
+    call open_report(s%folder, inputs, quiet, .false., .true., 0.0_dp, r)  ! every row is printed
     call run_path(p, m, r)
   end if
   call r%close()

@@ -6,7 +6,7 @@ module files
   use text, only: escaped, str, stop_run, status_input, status_output
   implicit none
   private
-  public :: text_file, output_file, read_file, create_file, make_folder, start_output, say
+  public :: text_file, output_file, read_file, create_file, remove_file, is_same_file, make_folder, start_output, say
 
   type :: text_file
     character(len=:), allocatable :: name, text
@@ -71,6 +71,11 @@ module files
       integer(c_int), value :: mode
       integer(c_int) :: status
     end function c_mkdir
+    function c_remove(path) bind(c, name='remove') result(status)
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int) :: status
+    end function c_remove
     function c_signal(number, handler) bind(c, name='signal') result(before)
       import :: c_funptr, c_int
       integer(c_int), value :: number
@@ -163,6 +168,29 @@ contains
       call stop_with_reason(status_output, folder(:i - 1)//': cannot be made')
     end do
   end subroutine make_folder
+
+  ! Removes the file of an earlier run, if there is one, so that it is not taken for one of this run.
+  subroutine remove_file(name)
+    character(len=*), intent(in) :: name
+    logical :: there
+
+    inquire (file=name, exist=there)
+    if (.not. there) return
+    if (c_remove(name//c_null_char) /= 0) call stop_with_reason(status_output, name//': cannot be removed')
+  end subroutine remove_file
+
+  ! Whether two names are those of one file, by links as well: the runtime compares device and inode with those of
+  ! the files that are open.
+  logical function is_same_file(name, other)
+    character(len=*), intent(in) :: name, other
+    integer :: unit, status
+
+    is_same_file = .false.
+    open (newunit=unit, file=name, status='old', action='read', iostat=status)
+    if (status /= 0) return
+    inquire (file=other, opened=is_same_file)
+    close (unit)
+  end function is_same_file
 
   ! A new file with its first line. What was there under that name is lost.
   subroutine create_file(name, first_line, file)

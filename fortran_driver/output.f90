@@ -1,9 +1,9 @@
 ! The files history.csv, newton.log and ddsdde.csv, and the table on the screen.
 module output
   use, intrinsic :: iso_fortran_env, only: dp => real64
-  use files, only: output_file, create_file, make_folder, say
+  use files, only: output_file, create_file, is_same_file, make_folder, remove_file, say
   use material_point, only: point, ntens
-  use text, only: str
+  use text, only: status_input, stop_run, str
   implicit none
   private
   public :: report, open_report, csv
@@ -19,18 +19,30 @@ module output
 contains
 
   ! The folder is made and the files are created before the first step, so that a run that cannot write them does
-  ! not start.
-  subroutine open_report(folder, quiet, keep_log, keep_moduli, print_every, r)
-    character(len=*), intent(in) :: folder
+  ! not start. Files of an earlier run are removed. `inputs`: what the run reads must not be one of them.
+  subroutine open_report(folder, inputs, quiet, keep_log, keep_moduli, print_every, r)
+    character(len=*), intent(in) :: folder, inputs(:)
     logical, intent(in) :: quiet, keep_log, keep_moduli
     real(dp), intent(in) :: print_every
     type(report), intent(out) :: r
+    character(len=11), parameter :: names(3) = [character(len=11) :: 'history.csv', 'newton.log', 'ddsdde.csv']
     character(len=:), allocatable :: columns
     integer :: i, j
 
     r%quiet = quiet
     r%print_every = print_every
+    do i = 1, size(inputs)
+      do j = 1, size(names)
+        if (inputs(i) == '') cycle
+        if (is_same_file(trim(inputs(i)), folder//'/'//trim(names(j)))) then
+          call stop_run(status_input, trim(inputs(i))//': is read, and would be written over as '//folder//'/'// &
+                        trim(names(j)))
+        end if
+      end do
+    end do
     call make_folder(folder)
+    if (.not. keep_log) call remove_file(folder//'/newton.log')
+    if (.not. keep_moduli) call remove_file(folder//'/ddsdde.csv')
     call create_file(folder//'/history.csv', &
                      'time,G,lambda_e,lambda,J,Je,s11,s22,s33,s12,s13,s23,reaction,iterations', r%history)
     if (keep_log) then

@@ -658,6 +658,28 @@ class Writing(unittest.TestCase):
         run = self.expect("standard output: cannot be written: Bad file descriptor", stdout=None, preexec_fn=lambda: os.close(1))
         self.assertFalse((run.folder / "history.csv").exists())
 
+    def test_an_input_is_not_written_over(self):
+        rows = "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n0,1,0,0,0,1,0,0,0,1\n"
+        for name in ("history.csv", "ddsdde.csv"):
+            path = self.folder / name
+            path.write_text(rows)
+            link = self.folder / f"link_{name}"
+            link.symlink_to(path)
+            for given in (path, link):
+                run = Run("--path", given, "--out", self.folder)
+                self.assertEqual(run.status, 1)
+                self.assertIn(f"{given}: is read, and would be written over as {self.folder}/{name}", run.errors)
+                self.assertEqual(path.read_text(), rows)
+            link.unlink()
+            path.unlink()
+
+    def test_no_file_of_an_earlier_run_stays(self):
+        for name in ("newton.log", "ddsdde.csv"):
+            (self.folder / name).write_text("of an earlier run")
+        self.assertEqual(Run("--quiet", "--out", str(self.folder)).status, 0)
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["history.csv", "newton.log"])
+        self.assertNotIn("of an earlier run", (self.folder / "newton.log").read_text())
+
     def test_the_folder(self):
         file = self.folder / "file"
         file.write_text("kept")
