@@ -8,7 +8,7 @@ program driver
   use prescribed_path, only: path, read_path, run_path
   use replay, only: run_replay
   use solver, only: run_element
-  use text, only: visible, stop_run, status_input
+  use text, only: visible, note, stop_run, status_input
   use umat_interface, only: umat, load_umat
   implicit none
   save  ! or the leak checker takes for lost what the program still holds at its end
@@ -46,6 +46,7 @@ program driver
     call open_report(s%folder, inputs, quiet, s%log_residuals, .false., s%print_every, r)
     call run_element(s, m, r)
   else
+    if (s%of_element /= '') call note(s%file//':'//s%of_element//': not used with --path, which leads one point')
     p = read_path(path_file)
     call open_report(s%folder, inputs, quiet, .false., .true., 0.0_dp, r)  ! every row is printed
     call run_path(p, m, r)

@@ -38,6 +38,7 @@ module input
     integer :: reaction_face = 2, reaction_direction = 1
     real(dp) :: print_every = 0                  ! 0: duration/20
     character(len=:), allocatable :: folder
+    character(len=:), allocatable :: of_element  ! the groups given that say how the element is loaded, '' if none
   end type settings
 
 contains
@@ -67,6 +68,9 @@ contains
     any_face = .false.
     do i = 1, size(groups)
       associate (g => groups(i))
+        if (index(' element time face solver ', ' '//g%name//' ') > 0 .and. index(s%of_element, '&'//g%name) == 0) then
+          s%of_element = s%of_element//' &'//g%name
+        end if
         if (g%name /= 'face') call check_once(groups(:i))
         select case (g%name)
         case ('material')
@@ -97,6 +101,7 @@ contains
     integer :: axis
 
     s%file = file
+    s%of_element = ''
     s%props = table_1
     allocate (s%statev_initial(8), source=0.0_dp)
     s%umat_file = ''

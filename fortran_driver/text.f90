@@ -4,7 +4,7 @@ module text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   implicit none
   private
-  public :: lower, str, visible, escaped, read_number, stop_run, status_input, status_run, status_output
+  public :: lower, str, visible, escaped, read_number, note, stop_run, status_input, status_run, status_output
 
   integer, parameter :: status_input = 1   ! exit status: something in the input is wrong
   integer, parameter :: status_run = 2     ! exit status: the input is right, the run could not be finished
@@ -155,6 +155,13 @@ contains
     n = verify(rest, '0123456789') - 1
     rest = rest(n + 1:)
   end subroutine skip_digits
+
+  ! What is given and not used, on standard error.
+  subroutine note(message)
+    character(len=*), intent(in) :: message
+
+    write (error_unit, '(a)') 'note: '//escaped(message, 255)
+  end subroutine note
 
   ! The message may hold names of files, in any encoding: only what would break its line is escaped.
   subroutine stop_run(status, message)

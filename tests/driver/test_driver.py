@@ -658,6 +658,13 @@ class Writing(unittest.TestCase):
         run = self.expect("standard output: cannot be written: Bad file descriptor", stdout=None, preexec_fn=lambda: os.close(1))
         self.assertFalse((run.folder / "history.csv").exists())
 
+    def test_groups_that_a_path_does_not_use_are_said(self):
+        (self.folder / "F.csv").write_text(Path.HEAD + "0,1,0,0,0,1,0,0,0,1\n")
+        run = Run("--path", self.folder / "F.csv", "--out", self.folder,
+                  text="&material nstatv = 8 /\n&time duration = 1 /\n&face name = 'x+' /\n")
+        self.assertEqual(run.status, 0, run.errors)
+        self.assertRegex(run.errors, "^note: .*case.nml: &time &face: not used with --path, which leads one point\n$")
+
     def test_an_input_is_not_written_over(self):
         rows = "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n0,1,0,0,0,1,0,0,0,1\n"
         for name in ("history.csv", "ddsdde.csv"):
