@@ -60,7 +60,7 @@ struct Flow {
                           const T& lambda_, const T& dt)
       : b(branch), G_n(G_n_), lambda(lambda_) {
     const T zero(V(0)), one(V(1)), limit(b.limit);
-    const T r = select(moves, b.ahead(limit, G_n), one);
+    const T r = rounded(select(moves, b.ahead(limit, G_n), one));
     per_r = one / r;
     // A lane that does not move has an end at half of G_n from it, and stays where it is since a = 0.
     end = select(moves, b.end(lambda), b.on(G_n, T(G_n * T(V(0.5)))));
@@ -123,7 +123,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowProgress<T> pass_panels(const Flow<T, V, 
     const auto whole = flow.integrate(p.w, panel);
     const LaneMask<T> is_number = whole.time >= T(V(0)), passes = beyond & (whole.time < p.to_go);
     const LaneMask<T> stops = beyond & is_number & !passes;
-    p.part = select(stops, T(panel * (p.to_go / select(stops, whole.time, panel))), p.part);
+    p.part = select(stops, T(panel * (p.to_go / rounded(select(stops, whole.time, panel)))), p.part);
     p.to_go = select(passes, T(p.to_go - whole.time), p.to_go);
     p.sensitivity = select(passes, T(p.sensitivity + whole.sensitivity), p.sensitivity);
     p.w = select(passes, T(p.w + panel), p.w);
@@ -168,6 +168,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART void find_in_bracket(const Flow<V, V, sign>& 
     if (moved <= 4 * last_place<V>() * (p.w + p.part)) break;
   }
   p.sensitivity = start + flow.integrate(p.w, p.part).sensitivity;
+  if (!is_finite(p.sensitivity)) p.ended = true;  // so near the end that 1/kappa is beyond all numbers
 }
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>& flow, const T& panel, FlowProgress<T>& p,
@@ -193,7 +194,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<T> follow(Branch<V, sign> b, LaneM
   const T to_first_order = flow.a * q_n / (G_n * flow.u_n);
   const T growth = T(V(sign)) * relative + gamma * flow.u_n * flow.per_r + crit * flow.u_n / q_n - one;
   const T divisor = one + growth * to_first_order * T(V(0.5));
-  const T series = select(divisor > zero, to_first_order, panel) / select(divisor > zero, divisor, one);
+  const T series =
+      select(divisor > zero, to_first_order, panel) / rounded(select(divisor > zero, divisor, one));
   const LaneMask<T> none = one < zero;
   const LaneMask<T> beyond = moves & !((zero <= series) & (series < panel * T(V(0.9))));
   FlowProgress<T> p{zero, flow.a, zero, select(beyond, panel, series), none, none};
@@ -211,7 +213,8 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<T> follow(Branch<V, sign> b, LaneM
     const LaneMask<T> inside = (zero <= next) & (next <= panel);
     const LaneMask<T> last = curvature * step * step < T(epsilon / 4) * (p.w + next);
     p.part = select(active & inside, next, p.part);
-    p.sensitivity = select(active, T(before + some.sensitivity + step / (speed * here.q)), p.sensitivity);
+    p.sensitivity =
+        select(active, T(before + some.sensitivity + (p.to_go - some.time) / here.q), p.sensitivity);
     p.left = p.left | (active & !inside);
     active = active & inside & !last;
   }

@@ -155,7 +155,7 @@ MYOGROWTH_FUNCTION StepEquation<T> equation_of(const Branch<P, sign>& b, const T
                      deciding(one) < deciding(one)};
   const auto steep = deciding(a) > deciding(one);
   if (any(steep)) {
-    eq.E = select(steep, T(one / select(steep, a, one)), one);
+    eq.E = one / rounded(select(steep, a, one));
     eq.A = select(steep, per_r, eq.A);
     eq.out_of_range = beyond_reciprocals(eq.E);
   }
@@ -236,7 +236,8 @@ template <class T, class V, int sign>
 MYOGROWTH_FUNCTION T long_step_start(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& lambda,
                                      const T& end, const T& y_end, const LaneMask<T>& is_long) {
   const T zero(V(0)), one(V(1)), crit(b.crit), limit(b.limit);
-  const T bound = eq.E * (sign > 0 ? T(eq.alpha + y_end) : eq.alpha) * y_end / select(is_long, eq.A, one);
+  const T bound =
+      eq.E * (sign > 0 ? T(eq.alpha + y_end) : eq.alpha) * y_end / rounded(select(is_long, eq.A, one));
   const auto at_limit = end == limit;
   const T q_end = select(at_limit, T(b.ahead(lambda, T(crit * limit)) * eq.per_r), zero);
   const T k_end = b.to_gamma(select(is_long, T(b.ahead(limit, end) * eq.per_r), one));
@@ -244,7 +245,7 @@ MYOGROWTH_FUNCTION T long_step_start(const Branch<V, sign>& b, const StepEquatio
   T u = y_end;
   const auto tighten = [&](const T& over, const T& under, V exponent) {
     const LaneMask<T> there = is_long & (under > over);
-    const T part = select(there, over, one) / select(there, under, one);
+    const T part = select(there, over, one) / rounded(select(there, under, one));
     u = minimum(u, exponent == 1 ? part : T(pow(part, exponent)));
   };
   tighten(bound, q_end, 1 / b.gamma);
@@ -338,7 +339,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART StepRoot<T> newton(Branch<V, sign> b, StepEqu
     const T over = sign > 0 ? T(residual * s.g) : residual;
     const T under = sign > 0 ? T(slope * s.g + residual) : slope;
     const auto divides = active & (under > zero);  // zero: at the limit, or below all numbers
-    T step = rough_quotient(select(divides, over, zero), select(divides, under, one));
+    T step = rough_quotient(select(divides, over, zero), rounded(select(divides, under, one)));
     if (b.gamma < 1) step = step_of_power(step, select(divides, s.x, one), b.gamma);
     const T next = b.on(G, T(eq.r * step)), g = next * eq.per_r;
     const auto onward = b.precedes(G, next), within = b.precedes(next, end);
@@ -397,7 +398,7 @@ MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const 
   constexpr V epsilon = last_place<V>();
   // A lane that does not move has A = 0, and y = 0.
   const StepEquation<T> eq =
-      equation_of(b, select(moves, b.ahead(limit, G_n), one), G_n, lambda, select(moves, dt, zero));
+      equation_of(b, rounded(select(moves, b.ahead(limit, G_n), one)), G_n, lambda, select(moves, dt, zero));
   const T end = b.end(lambda), nan(std::numeric_limits<V>::quiet_NaN());
   constexpr bool is_number = std::is_same<T, V>::value;
   // (A time or a gamma so far out that the growth number is 0 times infinity.)
@@ -420,7 +421,7 @@ MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const 
                                                T(eq.E * b.on(s.g, s.y) * s.x), T(eq.E * (s.x * s.x)));
     // (Products below all numbers say nothing.)
     const LaneMask<T> is_valid = more.under > T((std::numeric_limits<V>::min)() / epsilon);
-    const T step = near_quotient(T(s.x * more.over), select(is_valid, more.under, one));
+    const T step = near_quotient(T(s.x * more.over), rounded(select(is_valid, more.under, one)));
     y = s.y + step;
     G = sign > 0 ? b.on(G_n, T(eq.r * y)) : b.on(G_1, T(eq.r * step));
     // What such a step leaves is well below C^3 step^4, C = (1 + gamma)/x + 1/g: less than G's last place

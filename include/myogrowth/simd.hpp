@@ -655,9 +655,9 @@ typename Pack<V, N>::Lanes log_of_sum(const Pack<V, N>& u, const Pack<V, N>& err
   const Bits u_bits = (Bits)u.v[0];
   const Bits exponent = (u_bits + (F::one - F::sqrt_half)) >> F::digits;  // k + bias
   const P m = number(u_bits - ((exponent - static_cast<Unsigned>(F::bias)) << F::digits));
-  const P k = number(exponent | F::magic) - number(Bits{} + F::magic) - P(V(F::bias));
+  const P k = rounded(P(rounded(P(number(exponent | F::magic) - number(Bits{} + F::magic))) - P(V(F::bias))));
   const P per_2k = number((static_cast<Unsigned>(2 * F::bias) - exponent) << F::digits);
-  const P f = (m - P(V(1))) + error * per_2k;
+  const P f = rounded(P(m - P(V(1)))) + error * per_2k;
   const P s = f / (P(V(2)) + f);
   const P z = s * s;
   const P half_square = P(V(0.5)) * f * f;
@@ -704,7 +704,7 @@ Pack<V, N> log1p(const Pack<V, N>& x) {
   const P one(V(1));
   const P u = rounded(P(one + x));
   // What rounding took from the larger of the two.
-  const P error = select(x < one, x - (u - one), one - (u - x));
+  const P error = select(x < one, x - rounded(P(u - one)), one - rounded(P(u - x)));
   P y;
   for (int k = 0; k < y.parts; ++k) y.v[k] = detail::log_of_sum(u.part(k), error.part(k));
   return y;

@@ -236,7 +236,10 @@ TEST(Measures, RoundTrips) {
     kirchhoff_from_second_piola(F, to_six(u.second_piola()).data(), back.data());
     jaumann_from_dS_dE(F, tau.data(), u.dS_dE().data(), c_back.data());
     EXPECT_LE(error(tau, back), 1e-11);
-    EXPECT_LE(error(c, c_back), 1e-11);
+    // (F goes in four times there and four times back: rounding grows with its condition number to the
+    // fourth.)
+    const double condition = u.F.norm() * u.F.inverse().norm() / 3;
+    EXPECT_LE(error(c, c_back), 16 * std::numeric_limits<double>::epsilon() * std::pow(condition, 4));
 
     truesdell_from_jaumann(tau.data(), c.data(), C.data());
     jaumann_from_truesdell(tau.data(), C.data(), c_back.data());
