@@ -16,6 +16,10 @@
 #ifndef MYOGROWTH_BATCH_HPP
 #define MYOGROWTH_BATCH_HPP
 
+#if defined(__clang__) && defined(__FAST_MATH__)
+#error "myogrowth/batch.hpp: clang's -ffast-math changes the results of packs; compile this file without it."
+#endif
+
 #include <utility>
 
 #include "points.hpp"
