@@ -44,7 +44,7 @@ esac
     "dpkg-query": '#!/bin/sh\n[ -z "$MISSING" ] && echo installed\nexit 0\n',
     "apt-get": r'''#!/bin/bash
 case "$*" in
-  *update*) [ -z "$NO_NETWORK" ] || { echo "E: Could not resolve deb.debian.org"; exit 100; } ;;
+  *update*) [ -z "$NO_NETWORK" ] || { echo "E: Could not resolve the mirror"; exit 100; } ;;
   *) [ -z "$NO_NETWORK" ] || { echo "E: Unable to locate package g++"; exit 100; }
      echo "0 upgraded, 200 newly installed"; for i in {1..200}; do echo "Unpacking $i"; echo "Setting up $i"; done ;;
 esac
