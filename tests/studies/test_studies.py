@@ -154,12 +154,18 @@ class Fit(Job):
         self.assertTrue(any("cannot tell tau, gamma apart" in w for w in two["warnings"]), two["warnings"])
 
     def test_a_fit_without_a_result(self):
-        """Where gamma < 1, G reaches G_max with an infinite slope."""
-        text = self.run_it(self.file("fit, gamma, 0.5, 1\nfit, G_max, 1.01, 1.05\nramp, 2, 1.1\nramp, 10, 3\nramp, 0.2, 1.3\n"
-                                     "step, 10\nmeasure, 0.2, lambda_e, 1.05, 1000\nmeasure, 3, G, 1, 1e-6\n"
-                                     "measure, 1.05, lambda_e, 10, 1e-6\n"), "--starts", 2, status=2)
-        self.assertRegex(text, r"error: no fit from tau = 0.5, gamma = .*: expected narrower bounds")
+        """With tau near 1e-260 the rate's derivative is beyond all numbers."""
+        text = self.run_it(self.file("fit, tau, 1e-300, 1\nset, gamma, 300\nramp, 2, 1.1\nmeasure, 3, G, 1, 0.01\n"),
+                           "--starts", 5, status=2)
+        self.assertRegex(text, r"error: no fit from tau = 1.4\d+e-260, gamma = 300, .*: expected narrower bounds")
         self.assertNotIn("Residual", text)
+
+    def test_growth_to_its_end_with_gamma_below_one(self):
+        """Where gamma < 1, G reaches G_max in finite time: the fit ends there, and says that gamma is open."""
+        r = self.report(self.file("fit, gamma, 0.5, 1\nfit, G_max, 1.01, 1.05\nramp, 2, 1.1\nramp, 10, 3\n"
+                                  "measure, 3, G, 1, 1e-6\n"), "--starts", 2)
+        self.assertAlmostEqual(r["values"][2], 1.01, places=12)
+        self.assertTrue(any("do not bound gamma" in w for w in r["warnings"]), r["warnings"])
 
     def test_robust(self):
         text = (EXAMPLES / "identification" / "example.csv").read_text() + "measure, 5, lambda_e, 1.2, 0.003\n"
