@@ -3,7 +3,7 @@
 // block.hpp is plain C.
 #include "block.hpp"
 
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include "myogrowth.h"
 
 #include <limits>
-#include <myogrowth/left_stretch.hpp>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/left_stretch.hpp>
+#include <myogrowth/more/stress_states.hpp>
 
 #include "many.hpp"
 

@@ -3,8 +3,8 @@
 #ifndef MYOGROWTH_ABI_ELEMENT_FAMILY_HPP
 #define MYOGROWTH_ABI_ELEMENT_FAMILY_HPP
 
-#include <myogrowth/mixed_volume.hpp>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/mixed_volume.hpp>
+#include <myogrowth/more/stress_states.hpp>
 
 #include "point.hpp"
 
@@ -41,7 +41,7 @@ inline bool find_family_fault(int ntens, int ndi, int nshr, Text& text) {
 }
 
 /// F[9] from DFGRD1 as far as the family gives it: F_33 is not given in plane stress.
-MYOGROWTH_APART inline void take_deformation(const double* dfgrd1, int ntens, double F[9]) {
+MYOGROWTH_NOINLINE inline void take_deformation(const double* dfgrd1, int ntens, double F[9]) {
   const bool solid = ntens == 6;
   const bool given[9] = {true, true, solid, true, true, solid, solid, solid, ntens != 3};
   for (int i = 0; i < 9; ++i) F[i] = given[i] ? dfgrd1[i] : 0;

@@ -85,7 +85,7 @@ inline bool find_material_fault(const FibreGrowth<double>& material, Text& text)
 
 /// Reads PROPS(1:nprops) with its options. True, and the text, if entries are missing or one is not allowed.
 template <class R>
-MYOGROWTH_APART bool find_fault_among_all(const R* props, int nprops, Properties& properties, Text& text) {
+MYOGROWTH_NOINLINE bool find_fault_among_all(const R* props, int nprops, Properties& properties, Text& text) {
   if (nprops < n_props_required) {
     return tell(text,
                 "NPROPS = %d: at least %d constants are needed: c1, c2, tau, gamma, G_max, lambda_crit.",

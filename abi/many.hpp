@@ -25,8 +25,8 @@ inline MyogrowthUpdateBlock* update_block() {
 inline MyogrowthBlockMaterial block_material(const FibreGrowth<double>& m) {
   return {m.c1,
           m.c2,
-          {m.growth.growth_time, m.growth.gamma, m.growth.G_max, m.growth.lambda_crit},
-          {m.removal.removal_time, m.removal.gamma, m.removal.G_min, m.removal.lambda_crit},
+          {m.growth.tau, m.growth.gamma, m.growth.G_max, m.growth.lambda_crit},
+          {m.removal.tau_rev, m.removal.gamma_rev, m.removal.G_min, m.removal.lambda_crit_rev},
           m.energy == EnergyPer::grown_volume,
           m.integration == TimeIntegration::midpoint_flow};
 }
@@ -39,7 +39,7 @@ inline bool is_within(double x, double least, double most) {
 }
 inline bool packs_can(const FibreGrowth<double>& m, double dt) {
   const GrowthRate<double>& g = m.growth;
-  return is_within(m.c1, 0, 1e30) && is_within(m.c2, 1e-30, 1e30) && is_within(g.growth_time, 1e-30, 1e30) &&
+  return is_within(m.c1, 0, 1e30) && is_within(m.c2, 1e-30, 1e30) && is_within(g.tau, 1e-30, 1e30) &&
          g.gamma <= 100 && is_within(g.G_max - 1, 1e-10, 1e10) && is_within(g.lambda_crit, 1e-10, 1e10) &&
          is_within(dt, 0, 1e30);
 }

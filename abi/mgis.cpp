@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdio>
 #include <limits>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/stress_states.hpp>
 
 #include "mgis_layout.hpp"
 

@@ -205,10 +205,10 @@ inline int find_bad_entry(const double (&p)[n_props]) {
 
 /// The material's parameter that entry i of PROPS sets; null where that entry is an option or n0.
 inline double* parameter(FibreGrowth<double>& m, int i) {
-  double* const of_muscle[] = {&m.c1,           &m.c2,           &m.growth.growth_time,
+  double* const of_muscle[] = {&m.c1,           &m.c2,           &m.growth.tau,
                                &m.growth.gamma, &m.growth.G_max, &m.growth.lambda_crit};
-  double* const of_removal[] = {&m.removal.removal_time, &m.removal.gamma, &m.removal.G_min,
-                                &m.removal.lambda_crit};
+  double* const of_removal[] = {&m.removal.tau_rev, &m.removal.gamma_rev, &m.removal.G_min,
+                                &m.removal.lambda_crit_rev};
   if (0 <= i && i < n_props_required) return of_muscle[i];
   if (tau_rev_entry <= i && i < hybrid_entry) return of_removal[i - tau_rev_entry];
   return nullptr;

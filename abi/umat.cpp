@@ -4,7 +4,7 @@
 // Nothing is remembered between calls (except, where dump.hpp is on, how many it has written), nothing
 // throws, and what many hosts do not fill is never read: CMNAME, whose hidden length some hosts leave out,
 // NOEL, NPT, COORDS, LAYER and KSPT.
-#include <myogrowth/left_stretch.hpp>
+#include <myogrowth/more/left_stretch.hpp>
 
 #include "abaqus.h"
 #include "dump.hpp"

@@ -1,7 +1,7 @@
-// Compiled for each instruction set, with -Dmyogrowth=myogrowth_<it> and what batch.hpp recommends.
+// Compiled for each instruction set, with -Dmyogrowth=myogrowth_<it> and what many/batch.hpp recommends.
 #include "batch_pass.hpp"
 
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 
 extern "C" void BENCH_BATCH_PASS(int tangent, const BenchBatch* b) {
   using namespace myogrowth;

@@ -13,8 +13,8 @@
 #include <cstdlib>
 #include <functional>
 #include <limits>
-#include <myogrowth/batch.hpp>
 #include <myogrowth/kernel.hpp>
+#include <myogrowth/many/batch.hpp>
 #include <string>
 
 #include "../abi/abaqus.h"

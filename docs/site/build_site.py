@@ -96,14 +96,15 @@ def doxygen(out):
 def reference(target, with_python):
     """The pages of the API, header by header in the order of the manual's table."""
     (target / "api").mkdir()
-    headers = sorted(p.name for p in (ROOT / "include/myogrowth").glob("*.hpp"))
-    first = ["material.hpp", "kernel.hpp", "measures.hpp", "batch.hpp", "stress_states.hpp", "growth_rate.hpp",
+    headers = sorted(str(p.relative_to(ROOT / "include/myogrowth")) for p in (ROOT / "include/myogrowth").rglob("*.hpp"))
+    first = ["material.hpp", "kernel.hpp", "measures.hpp", "many/batch.hpp", "more/stress_states.hpp", "growth_rate.hpp",
              "growth_step.hpp", "growth_flow.hpp"]
     headers.sort(key=lambda name: first.index(name) if name in first else len(first))
     links = "".join(f"- [{name}]({name[:-4]}.md)\n" for name in headers)
     toc = "```{toctree}\n:hidden:\n" + "".join(name[:-4] + "\n" for name in headers) + "```\n"
     files.write_text(target / "api/cpp.md", CXX_INTRODUCTION + links + "\n" + toc)
     for name in headers:
+        (target / "api" / name).parent.mkdir(exist_ok=True)
         files.write_text(target / "api" / f"{name[:-4]}.md", f"# {name}\n\n```{{doxygenfile}} {name}\n```\n")
     files.write_text(target / "api/c.md", "# C API\n\n`#include <myogrowth.h>`, `build/abi/libmyogrowth.so`; tables and "
                                      "examples: [manual](../docs/manual.md#the-c-api).\n\n"

@@ -31,7 +31,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/stress_states.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -104,7 +104,7 @@ struct Study {
   /// Value of a parameter to be fitted, where its fit starts.
   double start(const Bounds& b) const {
     const auto& g = muscle.growth;
-    return std::array<double, n_growth>{g.growth_time, g.gamma, g.G_max, g.lambda_crit}[b.index];
+    return std::array<double, n_growth>{g.tau, g.gamma, g.G_max, g.lambda_crit}[b.index];
   }
 };
 
@@ -138,7 +138,7 @@ inline void check(myogrowth::FibreGrowth<> muscle, const std::string& name, cons
 /// Checks the parameters together, once all are known, and at the bounds of those to be fitted.
 inline void check_parameters(const Study& s) {
   for (const auto& [name, place] : s.given) check(s.muscle, name, place);
-  const double tau_rev = s.muscle.removal.removal_time;
+  const double tau_rev = s.muscle.removal.tau_rev;
   for (const char* name : {"gamma_rev", "G_min", "lambda_crit_rev"}) {
     if (tau_rev > 0 && !s.given.count(name))
       throw Error(s.given.at("tau_rev") + ": tau_rev = " + text_of(tau_rev) + ": expected " + name +
@@ -389,7 +389,7 @@ inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const std::vecto
     double slope;
     const auto status = uniaxial_stress(muscle, points[i].stretch, G, last.stretch,
                                         points[i].time - last.time, lateral, u, slope);
-    if (status != myogrowth::Status::ok)
+    if (status != myogrowth::UpdateStatus::ok)
       throw Error(name + ": no result at stretch " + text_of(points[i].stretch) + " on day " +
                   text_of(points[i].time) + ": " + abi::text(status));
     G = u.G;

@@ -3,8 +3,8 @@
 // and compares the tangent with differences.
 #include <cmath>
 #include <cstdio>
-#include <myogrowth/growth_law.hpp>
 #include <myogrowth/growth_rate.hpp>
+#include <myogrowth/more/growth_law.hpp>
 
 using namespace myogrowth;
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 #include <vector>
 
 int main() {

@@ -29,8 +29,8 @@ __global__ void __launch_bounds__(block_threads, least_blocks)
   if (i >= arrays.n) return;
   // Set here, so that the compiler removes the code that the material does not use, and its registers.
   material.integration = TimeIntegration::backward_euler;
-  material.removal.removal_time = 0;
-  if (step<tangent>(material, arrays, i) != Status::ok) atomicAdd(failed, 1ull);
+  material.removal.tau_rev = 0;
+  if (step<tangent>(material, arrays, i) != UpdateStatus::ok) atomicAdd(failed, 1ull);
 }
 
 namespace {
@@ -160,7 +160,7 @@ bool run(const Options& o, const std::string& device, std::ostringstream& json) 
   Results<V> on_cpu(n, tangent), from_device(n, tangent);
   const Arrays<V> host = arrays(in, on_cpu);
   for (std::ptrdiff_t i = 0; i < host.n; ++i) {
-    if (step<tangent>(muscle, host, i) != Status::ok) stop("a point has no result on the CPU");
+    if (step<tangent>(muscle, host, i) != UpdateStatus::ok) stop("a point has no result on the CPU");
   }
 
   const OnDevice<V> F(in.F), n0(in.n0), G_n(in.G_n), dt(in.dt);

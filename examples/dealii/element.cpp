@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 
 namespace muscle {
 namespace {
@@ -120,7 +120,7 @@ struct Point {
   double h_ff, h_I, h_B;  // dtau/dG = h_ff f⊗f + h_I I + h_B B
   double trace_B, ff;     // tr B, f.f
 
-  /// From stress, compact tangent and the J that the law saw (batch.hpp).
+  /// From stress, compact tangent and the J that the law saw (many/batch.hpp).
   Point(const myogrowth::FibreGrowth<>& m, double volume, double det_F, const double* sigma,
         const double* compact, std::ptrdiff_t stride)
       : w(volume), J(det_F) {

@@ -3,7 +3,7 @@
 /// code.
 ///
 /// Total Lagrangian, in the measures of the kernel. With g_a = F^-T grad N_a and B = c2 b_e = tau - shift I,
-/// the compact tangent of batch.hpp leaves of w P:grad N_a and its derivative
+/// the compact tangent of many/batch.hpp leaves of w P:grad N_a and its derivative
 ///
 ///   R_a  = w tau g_a
 ///   K_ab = w { c1 g_a⊗g_b - shift g_b⊗g_a + (g_a.B g_b) I + weight (dtau/dG g_a)⊗f (f.g_b) }

@@ -60,7 +60,7 @@ Muscle::Muscle(const Parameters& parameters, MPI_Comm comm)
   tendon_.c1 *= parameters.tendon_stiffness;
   tendon_.c2 *= parameters.tendon_stiffness;
   tendon_.growth.lambda_crit = never;
-  tendon_.removal.removal_time = 0;
+  tendon_.removal.tau_rev = 0;
   distribute();
   sort_cells();
   find_ends();

@@ -68,13 +68,13 @@ struct Question {
   template <class T>
   T G(const myogrowth::GrowthRate<T>& growth, std::size_t i) const {
     using myogrowth::value;
-    const Values asked{value(growth.growth_time), value(growth.gamma), value(growth.G_max),
+    const Values asked{value(growth.tau), value(growth.gamma), value(growth.G_max),
                        value(growth.lambda_crit)};
-    Curve<T>& known = curve(growth.growth_time);
+    Curve<T>& known = curve(growth.tau);
     if (known.at != asked) {
       const auto& given = data.muscle.removal;
-      const myogrowth::RemovalRate<T> removal{T(given.removal_time), T(given.gamma), T(given.G_min),
-                                              T(given.lambda_crit)};
+      const myogrowth::RemovalRate<T> removal{T(given.tau_rev), T(given.gamma_rev), T(given.G_min),
+                                              T(given.lambda_crit_rev)};
       known.G = study::grow(growth, removal, points);
       known.at = asked;
     }
@@ -563,7 +563,7 @@ int fit(int argc, char** argv) {
     throw study::Error(file + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
   if (data.knots.size() < 2) throw study::Error(file + ": expected a row step, ramp, hold or distract");
   const auto& growth = data.muscle.growth;
-  const Values given{growth.growth_time, growth.gamma, growth.G_max, growth.lambda_crit};
+  const Values given{growth.tau, growth.gamma, growth.G_max, growth.lambda_crit};
   Free free{};
   for (const study::Bounds& b : data.fitted) free[b.index] = true;
   std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0, most_seed)));

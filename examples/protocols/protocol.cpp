@@ -172,7 +172,7 @@ struct Ride {
   const myogrowth::GrowthRate<>& growth;
   double limit;
 
-  double s() const { return (limit - growth.lambda_crit) / (growth.growth_time * (growth.G_max - 1)); }
+  double s() const { return (limit - growth.lambda_crit) / (growth.tau * (growth.G_max - 1)); }
   /// G on day t: 1 + (G_max - 1) (1 - x), so that nothing cancels where G_max is large.
   double G(double t) const {
     const double g = growth.gamma - 1, st = s() * t;

@@ -16,7 +16,7 @@
 #include <chrono>
 #include <ctime>
 #include <future>
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 #include <random>
 #include <system_error>
 #include <thread>

@@ -113,9 +113,9 @@ struct FlowProgress {
 
 /// Passes whole panels in the lanes `beyond`, until each is in the panel that it ends in.
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_APART FlowProgress<T> pass_panels(const Flow<T, V, sign>& flow, T panel,
-                                                               FlowProgress<T> p, LaneMask<T> beyond,
-                                                               int most, int& iterations) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowProgress<T> pass_panels(const Flow<T, V, sign>& flow, T panel,
+                                                                  FlowProgress<T> p, LaneMask<T> beyond,
+                                                                  int most, int& iterations) {
   const T below_rounding = log(T(flow.u_n / (flow.end * T(last_place<V>() / 8)))) + panel;
   const T w_end = minimum(below_rounding, T(2 * log((std::numeric_limits<V>::max)())));  // for an end near 0
   for (int i = 0; i < most && any(beyond); ++i) {
@@ -146,8 +146,8 @@ struct FlowResult {
 /// A number that Newton's method left: the panel it ends in, and there Newton's method in a bracket.
 /// @{
 template <class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_APART void find_in_bracket(const Flow<V, V, sign>& flow, V panel,
-                                                        FlowProgress<V>& p, int& iterations) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void find_in_bracket(const Flow<V, V, sign>& flow, V panel,
+                                                           FlowProgress<V>& p, int& iterations) {
   constexpr int most_panels = 100000;  // more than w_end has
   p.left = false;
   if (!is_finite(flow.a)) p.ended = true;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
@@ -180,8 +180,8 @@ MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>&, const T&, FlowProgress<T>
 /// @}
 
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_APART FlowResult<T> follow(Branch<V, sign> b, LaneMask<T> moves, T G_n, T lambda,
-                                                        T dt) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, LaneMask<T> moves, T G_n,
+                                                           T lambda, T dt) {
   moves = moves & b.precedes(G_n, b.end(lambda));  // but for rounding, all that are asked for
   constexpr V epsilon = last_place<V>();
   constexpr bool is_number = std::is_same<T, V>::value;

@@ -14,7 +14,7 @@ namespace myogrowth {
 /// P is the type of the parameters: a real number, or a scalar that carries derivatives with respect to them.
 template <class P = double>
 struct GrowthRate {
-  P growth_time = P(0.5);   ///< tau > 0: time to add sarcomeres at full capacity [time]
+  P tau = P(0.5);           ///< > 0: time to add sarcomeres at full capacity [time]
   P gamma = P(2);           ///< >= 0: how sharply the capacity fades as G nears G_max [-]
   P G_max = P(1.1);         ///< > 1: largest relative serial sarcomere number [-]
   P lambda_crit = P(1.01);  ///< > 0: elastic fibre stretch above which sarcomeres are added [-]
@@ -37,13 +37,13 @@ struct GrowthRate {
   /// Adaptation function k_g(G) [1/time].
   template <class T>
   MYOGROWTH_FUNCTION Product<T, P> adaptation(const T& G) const {
-    return capacity(G) / growth_time;
+    return capacity(G) / tau;
   }
 
   /// dk_g/dG [1/time].
   template <class T>
   MYOGROWTH_FUNCTION Product<T, P> dadaptation_dG(const T& G) const {
-    return dcapacity_dG(G) / growth_time;
+    return dcapacity_dG(G) / tau;
   }
 
   /// Growth criterion phi_g(lambda_e) = max(lambda_e - lambda_crit, 0) [-].
@@ -66,16 +66,17 @@ struct GrowthRate {
   }
 };
 
-/// Removal of sarcomeres under a lower threshold, an extension of eq. 4 (docs/theory.md); off while
-/// removal_time = 0.
+/// Removal of sarcomeres under a lower threshold, an extension of eq. 4 (docs/theory.md); off while tau_rev =
+/// 0.
 ///
-///   dG/dt = -k_rev(G) <lambda_rev - lambda_e>,   k_rev = (1/tau_rev) [(G - G_min)/(G_max - G_min)]^gamma_rev
+///   dG/dt = -k_rev(G) <lambda_crit_rev - lambda_e>,   k_rev = (1/tau_rev) [(G - G_min)/(G_max -
+///   G_min)]^gamma_rev
 template <class P = double>
 struct RemovalRate {
-  P removal_time = P(0);  ///< tau_rev > 0: time constant of removal [time]; 0: nothing is removed
-  P gamma = P(2);         ///< gamma_rev >= 0: how sharply removal fades as G nears G_min [-]
-  P G_min = P(0.5);       ///< 0 < G_min < 1: smallest relative serial sarcomere number [-]
-  P lambda_crit = P(1);   ///< 0 < lambda_rev <= lambda_crit: elastic stretch below which they are removed [-]
+  P tau_rev = P(0);          ///< > 0: time constant of removal [time]; 0: nothing is removed
+  P gamma_rev = P(2);        ///< >= 0: how sharply removal fades as G nears G_min [-]
+  P G_min = P(0.5);          ///< > 0 and < 1: smallest relative serial sarcomere number [-]
+  P lambda_crit_rev = P(1);  ///< > 0 and <= lambda_crit: elastic stretch below which they are removed [-]
 };
 
 }  // namespace myogrowth

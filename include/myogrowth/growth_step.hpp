@@ -19,7 +19,7 @@
 /// method does the rest: for gamma >= 1 it climbs to the root from one side; for 0 < gamma < 1 it does so in
 /// the variable (1 - y)^gamma; for gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
 ///
-/// One text serves numbers and SIMD packs (simd.hpp), whose comparisons give one answer a lane.
+/// One text serves numbers and SIMD packs (many/pack.hpp), whose comparisons give one answer a lane.
 #ifndef MYOGROWTH_GROWTH_STEP_HPP
 #define MYOGROWTH_GROWTH_STEP_HPP
 
@@ -108,12 +108,12 @@ struct Branch {
 
 template <class P>
 MYOGROWTH_FUNCTION Branch<P, 1> branch_of(const GrowthRate<P>& growth) {
-  return {growth.G_max, growth.gamma, growth.lambda_crit, growth.G_max - P(1), growth.growth_time};
+  return {growth.G_max, growth.gamma, growth.lambda_crit, growth.G_max - P(1), growth.tau};
 }
 template <class P>
 MYOGROWTH_FUNCTION Branch<P, -1> branch_of(const GrowthRate<P>& growth, const RemovalRate<P>& removal) {
-  return {removal.G_min, removal.gamma, removal.lambda_crit, growth.G_max - removal.G_min,
-          removal.removal_time};
+  return {removal.G_min, removal.gamma_rev, removal.lambda_crit_rev, growth.G_max - removal.G_min,
+          removal.tau_rev};
 }
 
 /// Where the muscle grows, and where sarcomeres are removed, under the stretch lambda. T: a plain number or a
@@ -129,8 +129,8 @@ template <class T, class P>
 MYOGROWTH_FUNCTION LaneMask<T> shrinks(const RemovalRate<P>& removal, const T& G_n, const T& lambda,
                                        const T& dt) {
   const T zero(Real<T>(0));
-  return (T(value(removal.removal_time)) > zero) & (dt > zero) &
-         (lambda < T(value(removal.lambda_crit)) * G_n) & (G_n > T(value(removal.G_min)));
+  return (T(value(removal.tau_rev)) > zero) & (dt > zero) &
+         (lambda < T(value(removal.lambda_crit_rev)) * G_n) & (G_n > T(value(removal.G_min)));
 }
 /// @}
 
@@ -274,8 +274,8 @@ MYOGROWTH_FUNCTION QuadraticRoot<T> root_of_quadratic(const Branch<V, sign>& b, 
 /// The root as a number, by halving the bracket down to rounding: for parameters so far out (gamma in the
 /// hundreds, G_max beyond 1e60) that Newton's method would take long or lose its digits.
 template <class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_APART V bisect(Branch<V, sign> b, StepEquation<V> eq, V G_n, V lambda, V end,
-                                            int& iterations) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE V bisect(Branch<V, sign> b, StepEquation<V> eq, V G_n, V lambda, V end,
+                                               int& iterations) {
   V G = G_n;
   constexpr int most = 200;  // 12 geometric means bring any two numbers near, 64 halvings to rounding
   for (int i = 0; i < most; ++i) {
@@ -316,8 +316,8 @@ struct StepRoot {
 ///
 /// What it takes comes by value: a reference would keep the caller's numbers in memory.
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_APART StepRoot<T> newton(Branch<V, sign> b, StepEquation<T> eq, T G_n, T lambda,
-                                                      T end, T start, LaneMask<T> active) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE StepRoot<T> newton(Branch<V, sign> b, StepEquation<T> eq, T G_n,
+                                                         T lambda, T end, T start, LaneMask<T> active) {
   constexpr V epsilon = last_place<V>();
   constexpr int patience = 64;  // three times what gamma = 20 takes
   const T zero(V(0)), one(V(1)), gamma_plus_1(b.gamma + 1), smallest(least_alpha<V>());

@@ -41,7 +41,7 @@ struct FibreGrowth {
   P c1 = P(16);            ///< first Lamé constant, c1 + 2/3 c2 > 0 [stress]
   P c2 = P(4);             ///< second Lamé constant, > 0 [stress]
   GrowthRate<P> growth;    ///< eq. 4
-  RemovalRate<P> removal;  ///< off unless removal.removal_time > 0
+  RemovalRate<P> removal;  ///< off unless removal.tau_rev > 0
   /// What psi is counted per.
   EnergyPer energy = EnergyPer::reference_volume;
   /// How eq. 4 is integrated.
@@ -57,10 +57,6 @@ enum class UpdateStatus {
   bad_state,         ///< G <= 0; or lambda_n <= 0 in the midpoint flow
   not_converged = 7  ///< a stretch or growth variable was not found in 200 iterations (5, 6: myogrowth.h's)
 };
-/// Its short name, but where <X11/Xlib.h> has a macro of that name.
-#ifndef Status
-using Status = UpdateStatus;
-#endif
 
 /// Result of update_point.
 template <class T>
@@ -87,7 +83,7 @@ namespace detail {
 
 /// normalise() where the square of the length is out of range.
 template <class T>
-MYOGROWTH_FUNCTION MYOGROWTH_APART bool normalise_scaled(const T n0[3], T unit[3]) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE bool normalise_scaled(const T n0[3], T unit[3]) {
   Real<T> largest(0);
   for (int i = 0; i < 3; ++i) {
     if (!is_finite(n0[i])) return false;
@@ -129,7 +125,8 @@ MYOGROWTH_FUNCTION bool normalise(const T n0[3], T unit[3]) {
 namespace detail {
 
 template <class T>
-MYOGROWTH_FUNCTION MYOGROWTH_APART UpdateStatus fail(UpdateStatus status, const T& G_n, PointUpdate<T>& out) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE UpdateStatus fail(UpdateStatus status, const T& G_n,
+                                                        PointUpdate<T>& out) {
   const T nan(std::numeric_limits<Real<T>>::quiet_NaN());
   out.status = status;
   out.iterations = 0;
@@ -202,7 +199,7 @@ MYOGROWTH_FUNCTION T least_J_minus_1(const T& b11_minus_1, const T& b22_minus_1,
 /// det F where deform() does not give it, and whether there is a result with it: F is so small, so large or
 /// so close to singular that its digits count, not those of F - I.
 template <class T>
-MYOGROWTH_FUNCTION MYOGROWTH_APART UpdateStatus examine(const T F[9], T& J) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE UpdateStatus examine(const T F[9], T& J) {
   J = determinant(F);
   if (!is_finite(J)) return UpdateStatus::not_finite;
   return value(J) > 0 ? UpdateStatus::ok : UpdateStatus::inverted;
@@ -210,7 +207,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_APART UpdateStatus examine(const T F[9], T& J) {
 
 /// ln(x) for x that may be tiny, by what is asked of a scalar.
 template <class T>
-MYOGROWTH_FUNCTION MYOGROWTH_APART T logarithm(const T& x) {
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE T logarithm(const T& x) {
   using V = Real<T>;
   int exponent;
   (void)std::frexp(value(x), &exponent);

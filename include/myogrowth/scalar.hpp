@@ -57,9 +57,9 @@
 #endif
 /// What is rarely called: kept out of the code around it. (On a GPU a call would push all out of registers.)
 #if defined(__GNUC__) && !defined(__CUDACC__)
-#define MYOGROWTH_APART __attribute__((noinline))
+#define MYOGROWTH_NOINLINE __attribute__((noinline))
 #else
-#define MYOGROWTH_APART
+#define MYOGROWTH_NOINLINE
 #endif
 
 namespace myogrowth {
@@ -109,7 +109,7 @@ struct LogarithmSeries {
   /// @endcond
 };
 
-/// ln(1 + d/G) for x = d/G. For doubles by the series that packs have as well (simd.hpp).
+/// ln(1 + d/G) for x = d/G. For doubles by the series that packs have as well (many/pack.hpp).
 /// @{
 template <class T>
 MYOGROWTH_FUNCTION T ln_1_plus(const T& x, const T&, const T&) {
@@ -125,7 +125,7 @@ MYOGROWTH_FUNCTION inline double ln_1_plus(double x, double d, double G) {
 }
 /// @}
 
-/// a/b, given 1/b, which packs make use of (simd.hpp).
+/// a/b, given 1/b, which packs make use of (many/pack.hpp).
 template <class T>
 MYOGROWTH_FUNCTION T quotient(const T& a, const T& b, const T&) {
   return a / b;

@@ -3,8 +3,8 @@
 #include <myogrowth.h>
 
 #include <algorithm>
-#include <myogrowth/left_stretch.hpp>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/left_stretch.hpp>
+#include <myogrowth/more/stress_states.hpp>
 #include <vector>
 
 #include "../support/samples.hpp"
@@ -24,7 +24,7 @@ struct Result {
 Result run(const samples::Point& p, int measure, bool local_basis = false) {
   const auto& g = p.muscle.growth;
   const double grown = p.muscle.energy == EnergyPer::grown_volume;
-  const double props[] = {p.muscle.c1,   p.muscle.c2,         g.growth_time, g.gamma,
+  const double props[] = {p.muscle.c1,   p.muscle.c2,         g.tau,         g.gamma,
                           g.G_max,       g.lambda_crit,       p.state.n0[0], p.state.n0[1],
                           p.state.n0[2], double(local_basis), grown};
   const int n = myogrowth_stress_size(measure);
@@ -175,7 +175,7 @@ TEST(CApi, UniaxialIsTheCoreBitForBit) {
     const double stretch = r.uniform(0.7, 1.6), G = 1 + 0.2 * r.uniform(), lambda_n = r.uniform(0.9, 1.2);
     PointUpdate<double> u;
     double side = 0.9, slope;
-    ASSERT_EQ(uniaxial_stress(m, stretch, G, lambda_n, 0.3, side, u, slope), Status::ok);
+    ASSERT_EQ(uniaxial_stress(m, stretch, G, lambda_n, 0.3, side, u, slope), UpdateStatus::ok);
 
     double state[9] = {G, 7, lambda_n, 7, 7, 3, 4, 5, 6}, lateral = 0.9, stress, modulus, energy;
     ASSERT_EQ(myogrowth_uniaxial(props, 12, stretch, state, state, 9, 0.3, &lateral, &stress, &modulus,

@@ -83,11 +83,11 @@ Call call_of(const samples::Point& p, bool fibre_in_state) {
                second = p.muscle.integration == TimeIntegration::midpoint_flow;
   const Eigen::Vector3d n = fibre_in_state ? Eigen::Vector3d::Zero() : p.state.n0;
   Call c;
-  c.props = {p.muscle.c1, p.muscle.c2, g.growth_time, g.gamma, g.G_max, g.lambda_crit,
-             n[0],        n[1],        n[2],          0,       given,   second};
-  if (removal.removal_time > 0) {
+  c.props = {p.muscle.c1, p.muscle.c2, g.tau, g.gamma, g.G_max, g.lambda_crit,
+             n[0],        n[1],        n[2],  0,       given,   second};
+  if (removal.tau_rev > 0) {
     c.props.insert(c.props.end(),
-                   {0, removal.removal_time, removal.gamma, removal.G_min, removal.lambda_crit});
+                   {0, removal.tau_rev, removal.gamma_rev, removal.G_min, removal.lambda_crit_rev});
   }
   c.statev[0] = p.state.G;
   c.statev[2] = p.state.lambda;

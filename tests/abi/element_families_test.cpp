@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/stress_states.hpp>
 
 #include "../support/samples.hpp"
 #include "../support/umat_host.hpp"
@@ -63,7 +63,8 @@ TEST(ElementFamilies, ThreeComponentsArePlaneStress) {
     PointUpdate<double> u;
     double thickness = 0;
     Eigen::Matrix3d modulus;
-    ASSERT_EQ(plane_stress(m, F, &c.props[6], 1.0, 1.0, c.dtime, thickness, u, modulus.data()), Status::ok);
+    ASSERT_EQ(plane_stress(m, F, &c.props[6], 1.0, 1.0, c.dtime, thickness, u, modulus.data()),
+              UpdateStatus::ok);
     Call without = c;
     without.statev.resize(8);  // nowhere to keep the thickness
     c.run();

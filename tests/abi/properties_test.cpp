@@ -34,8 +34,8 @@ TEST(Properties, TheParametersOfAMaterialAreThoseOfItsProps) {
   ASSERT_EQ(abi::read(p, back), -1);
   EXPECT_EQ(back.material.c2, 2);
   EXPECT_EQ(back.material.growth.gamma, 4);
-  EXPECT_EQ(back.material.removal.removal_time, 14);
-  EXPECT_EQ(back.material.removal.lambda_crit, 1);
+  EXPECT_EQ(back.material.removal.tau_rev, 14);
+  EXPECT_EQ(back.material.removal.lambda_crit_rev, 1);
   EXPECT_EQ(back.material.energy, EnergyPer::grown_volume);
   EXPECT_EQ(back.material.integration, TimeIntegration::midpoint_flow);
 }

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cfloat>
-#include <myogrowth/left_stretch.hpp>
+#include <myogrowth/more/left_stretch.hpp>
 #include <thread>
 
 #include "../support/samples.hpp"
@@ -21,7 +21,7 @@ Call call_of(const samples::Point& p) {
   Call c;
   c.props = {p.muscle.c1,
              p.muscle.c2,
-             g.growth_time,
+             g.tau,
              g.gamma,
              g.G_max,
              g.lambda_crit,

@@ -120,7 +120,7 @@ std::string run_and_listen(Block& b) {
 std::vector<double> props_of(const samples::Point& p) {
   const auto& g = p.muscle.growth;
   const bool grown = p.muscle.energy == myogrowth::EnergyPer::grown_volume;
-  return {p.muscle.c1,   p.muscle.c2,   g.growth_time, g.gamma, g.G_max,        g.lambda_crit,
+  return {p.muscle.c1,   p.muscle.c2,   g.tau,         g.gamma, g.G_max,        g.lambda_crit,
           p.state.n0[0], p.state.n0[1], p.state.n0[2], 0,       grown ? 1. : 0.};
 }
 
@@ -165,7 +165,7 @@ void follow_paths(samples::Random& r, int size, int n_steps, double& worst) {
   Block b(size, r.chance(0.5) ? 8 : 11);
   b.props.assign(props.begin(), props.end());
   b.props[9] = r.chance(0.5) ? 0 : 1;  // without meaning here
-  b.dt = static_cast<Number>(p.muscle.growth.growth_time * r.log_uniform(1e-2, 1));
+  b.dt = static_cast<Number>(p.muscle.growth.tau * r.log_uniform(1e-2, 1));
 
   struct Path {
     Matrix3d H, turn, R, U_old = Matrix3d::Identity();

@@ -11,12 +11,12 @@
 #include <Eigen/Dense>
 #include "macros.hpp"
 
-#include <myogrowth/batch.hpp>
-#include <myogrowth/growth_law.hpp>
-#include <myogrowth/left_stretch.hpp>
+#include <myogrowth/many/batch.hpp>
 #include <myogrowth/material.hpp>
-#include <myogrowth/mixed_volume.hpp>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/growth_law.hpp>
+#include <myogrowth/more/left_stretch.hpp>
+#include <myogrowth/more/mixed_volume.hpp>
+#include <myogrowth/more/stress_states.hpp>
 
 #undef F
 #undef min
@@ -29,7 +29,7 @@ using namespace myogrowth;
 
 constexpr double numbers[9] = {1.2, 0.03, -0.02, 0.1, 0.95, 0.04, 0.07, -0.05, 1.02};
 
-struct Isotropic {  // as in growth_law.hpp
+struct Isotropic {  // as in more/growth_law.hpp
   double limit() const { return 1.5; }
   template <class T>
   Mat3<T> growth_tensor(const T& g, const Vec3<T>&) const {

@@ -9,7 +9,7 @@
 #include "steps.hpp"
 
 #include <algorithm>
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 #include <myogrowth/material.hpp>
 
 using namespace myogrowth;

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cfenv>
-#include <myogrowth/batch.hpp>
-#include <myogrowth/left_stretch.hpp>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/many/batch.hpp>
+#include <myogrowth/more/left_stretch.hpp>
+#include <myogrowth/more/stress_states.hpp>
 
 #include "mgis_layout.hpp"
 

@@ -1,7 +1,7 @@
-// The routine of a device's thread (points.hpp, examples/cuda) on the host. It gives the same numbers as
+// The routine of a device's thread (many/views.hpp, examples/cuda) on the host. It gives the same numbers as
 // update_point and the batch; the example's comparison detects differences; the error of single precision.
 #include <gtest/gtest.h>
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -18,7 +18,7 @@ template <Tangent tangent, class V>
 Results<V> stepped(const FibreGrowth<V>& muscle, const Inputs<V>& in) {
   Results<V> out(in.G_n.size(), tangent);
   const Arrays<V> a = arrays(in, out);
-  for (std::ptrdiff_t i = 0; i < a.n; ++i) EXPECT_EQ(step<tangent>(muscle, a, i), Status::ok) << i;
+  for (std::ptrdiff_t i = 0; i < a.n; ++i) EXPECT_EQ(step<tangent>(muscle, a, i), UpdateStatus::ok) << i;
   return out;
 }
 
@@ -38,7 +38,7 @@ TYPED_TEST(ManyPoints, TheSameBitsAsUpdatePoint) {
     for (std::size_t c = 0; c < 9; ++c) F[c] = in.F[c * n + i];
     for (std::size_t c = 0; c < 3; ++c) n0[c] = in.n0[c * n + i];
     PointUpdate<V> u;
-    ASSERT_EQ(update_point(muscle, F, n0, in.G_n[i], in.dt[0], u), Status::ok);
+    ASSERT_EQ(update_point(muscle, F, n0, in.G_n[i], in.dt[0], u), UpdateStatus::ok);
     cauchy_from_kirchhoff(u.J, u.tau, stress);
     spatial_modulus(u, ddsdde, V(1) / u.J);
     grow += u.G > in.G_n[i];

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <myogrowth/growth_step.hpp>
-#include <myogrowth/simd.hpp>
+#include <myogrowth/many/pack.hpp>
 
 #include "../support/samples.hpp"
 
@@ -27,7 +27,7 @@ struct Step {
 void random_material(samples::Random& r, Step& s) {
   const double gammas[] = {0,     1e-20, 1e-3, 0.05, 0.1, 0.3, 0.5, 0.75, 0.999, 1,
                            1.001, 1.5,   2,    2.5,  3,   3.7, 4,   5,    8,     20};
-  s.rate.growth_time = r.log_uniform(1e-3, 1e3);
+  s.rate.tau = r.log_uniform(1e-3, 1e3);
   s.rate.gamma = r.chance(0.2) ? r.uniform(0, 6) : r.pick(gammas);
   s.rate.G_max = 1 + r.log_uniform(1e-6, 10);
   s.rate.lambda_crit = r.uniform(0.5, 1.5);
@@ -63,28 +63,28 @@ void random_state(samples::Random& r, Step& s) {
       s.lambda = s.rate.lambda_crit * s.rate.G_max * (1 + r.uniform(-1, 1) * r.log_uniform(1e-14, 1));
       break;
     case 2:
-      s.lambda = s.removal.lambda_crit * s.G_n * (1 - r.log_uniform(1e-14, 0.99));
+      s.lambda = s.removal.lambda_crit_rev * s.G_n * (1 - r.log_uniform(1e-14, 0.99));
       break;
     case 3:
       s.lambda =
-          s.removal.lambda_crit * s.removal.G_min * (1 + r.uniform(-1, 1) * r.log_uniform(1e-14, 0.99));
+          s.removal.lambda_crit_rev * s.removal.G_min * (1 + r.uniform(-1, 1) * r.log_uniform(1e-14, 0.99));
       break;
     default:
       s.lambda = r.uniform(0.3, 4);
   }
-  s.dt = s.rate.growth_time * (r.chance(0.5) ? r.log_uniform(1e-12, 1e300) : r.log_uniform(1e-6, 1e6));
+  s.dt = s.rate.tau * (r.chance(0.5) ? r.log_uniform(1e-12, 1e300) : r.log_uniform(1e-6, 1e6));
 }
 
 // Whether the root of the equation, grown or shrunk, lies within 8 units in the last place of G.
 bool is_root(const Step& s, double G) {
   using L = long double;
   const L dt = s.dt, lambda = s.lambda;
-  const GrowthRate<L> rate{s.rate.growth_time, s.rate.gamma, s.rate.G_max, s.rate.lambda_crit};
+  const GrowthRate<L> rate{s.rate.tau, s.rate.gamma, s.rate.G_max, s.rate.lambda_crit};
   const auto residual = [&](L g) -> L {
     if (G > s.G_n) return g - s.G_n - dt * rate.rate(g, lambda);
     const L x = (g - s.removal.G_min) / (rate.G_max - s.removal.G_min);
-    const L k = x > 0 ? power(x, L(s.removal.gamma)) / s.removal.removal_time : L(0);
-    return g - s.G_n + dt * k * std::max(s.removal.lambda_crit - lambda / g, L(0));
+    const L k = x > 0 ? power(x, L(s.removal.gamma_rev)) / s.removal.tau_rev : L(0);
+    return g - s.G_n + dt * k * std::max(s.removal.lambda_crit_rev - lambda / g, L(0));
   };
   const L ulp = 8 * static_cast<L>(std::numeric_limits<double>::epsilon()) * G;
   return residual(G - ulp) <= 0 && residual(G + ulp) >= 0;
@@ -97,10 +97,10 @@ struct Tally {
 
   void take(const Step& s, const GrowthStep<double>& step) {
     const double upper = std::max(s.G_n, std::min(s.rate.G_max, s.lambda / s.rate.lambda_crit));
-    const bool removes = s.removal.removal_time > 0 && s.lambda < s.removal.lambda_crit * s.G_n;
+    const bool removes = s.removal.tau_rev > 0 && s.lambda < s.removal.lambda_crit_rev * s.G_n;
     const double lower =
-        removes ? std::min(s.G_n, std::max(s.removal.G_min, s.lambda / s.removal.lambda_crit)) : s.G_n;
-    const double slope = step.dG_dlambda * (removes ? s.removal.lambda_crit : s.rate.lambda_crit);
+        removes ? std::min(s.G_n, std::max(s.removal.G_min, s.lambda / s.removal.lambda_crit_rev)) : s.G_n;
+    const double slope = step.dG_dlambda * (removes ? s.removal.lambda_crit_rev : s.rate.lambda_crit);
     const bool good = step.G >= lower && step.G <= upper && slope >= 0 && (removes || slope <= 1 + 1e-9) &&
                       std::isfinite(slope) &&
                       step.iterations <= (removes ? most_removal_iterations : most_iterations) &&
@@ -110,8 +110,8 @@ struct Tally {
           "FAILED: tau %.17g gamma %.17g G_max %.17g lambda_crit %.17g G_n %.17g lambda %.17g dt %.17g\n"
           "        removal: tau %.17g gamma %.17g G_min %.17g lambda_crit %.17g\n"
           "        gave G %.17g in [%.17g, %.17g], dG/dlambda %.17g, %d iterations\n",
-          s.rate.growth_time, s.rate.gamma, s.rate.G_max, s.rate.lambda_crit, s.G_n, s.lambda, s.dt,
-          s.removal.removal_time, s.removal.gamma, s.removal.G_min, s.removal.lambda_crit, step.G, lower,
+          s.rate.tau, s.rate.gamma, s.rate.G_max, s.rate.lambda_crit, s.G_n, s.lambda, s.dt,
+          s.removal.tau_rev, s.removal.gamma_rev, s.removal.G_min, s.removal.lambda_crit_rev, step.G, lower,
           upper, step.dG_dlambda, step.iterations);
     }
     ++steps;

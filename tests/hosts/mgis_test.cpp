@@ -190,7 +190,7 @@ Point growing(const std::string& hypothesis, samples::Random& r, samples::Point*
   s.muscle.growth = {1, 2, 1.6, 0.7 * lambda / s.state.G};
   s.dt = r.uniform(0.2, 2);
   const auto& g = s.muscle.growth;
-  p.properties = {s.muscle.c1,   s.muscle.c2,   g.growth_time, g.gamma,      g.G_max,
+  p.properties = {s.muscle.c1,   s.muscle.c2,   g.tau,         g.gamma,      g.G_max,
                   g.lambda_crit, s.state.n0[0], s.state.n0[1], s.state.n0[2]};
   p.variables0[0] = s.state.G;
   p.F1 = s.F;

@@ -70,7 +70,7 @@ inline Matrix exact(const Eigen::Matrix3d& F) {
 
 /// Root of backward Euler's equation, only by bracketing.
 inline Real grow(const myogrowth::GrowthRate<>& rate, const Real& G_n, const Real& lambda, const Real& dt) {
-  const Real tau = rate.growth_time, gamma = rate.gamma, G_max = rate.G_max, crit = rate.lambda_crit;
+  const Real tau = rate.tau, gamma = rate.gamma, G_max = rate.G_max, crit = rate.lambda_crit;
   if (lambda <= crit * G_n || G_n >= G_max || dt <= 0) return G_n;
   const auto residual = [&](const Real& G) -> Real {
     const Real x = (G_max - G) / (G_max - 1);
@@ -89,8 +89,8 @@ inline Real grow(const myogrowth::GrowthRate<>& rate, const Real& G_n, const Rea
 /// The same for removal.
 inline Real shrink(const myogrowth::GrowthRate<>& growth, const myogrowth::RemovalRate<>& rate,
                    const Real& G_n, const Real& lambda, const Real& dt) {
-  const Real tau = rate.removal_time, gamma = rate.gamma, G_max = growth.G_max, G_min = rate.G_min,
-             crit = rate.lambda_crit;
+  const Real tau = rate.tau_rev, gamma = rate.gamma_rev, G_max = growth.G_max, G_min = rate.G_min,
+             crit = rate.lambda_crit_rev;
   if (lambda >= crit * G_n || G_n <= G_min || dt <= 0) return G_n;
   const auto residual = [&](const Real& G) -> Real {
     const Real x = (G - G_min) / (G_max - G_min);
@@ -121,7 +121,7 @@ inline Result update(const samples::Point& p, const Matrix& F) {
   lambda = sqrt(Real(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
   Result r;
   r.G = grow(p.muscle.growth, p.state.G, lambda, p.dt);
-  if (p.muscle.removal.removal_time > 0 && r.G == p.state.G) {
+  if (p.muscle.removal.tau_rev > 0 && r.G == p.state.G) {
     r.G = shrink(p.muscle.growth, p.muscle.removal, p.state.G, lambda, p.dt);
   }
   r.lambda_e = lambda / r.G;

@@ -78,7 +78,7 @@ inline Point point(Random& r, Kind kind, double largest_dt = 1e4) {
   p.F = rotation(r) * deformation(r, 0.6);
   p.state.n0 = direction(r) * r.log_uniform(1e-3, 1e3);
   p.state.G = 1 + (p.muscle.growth.G_max - 1) * (r.chance(0.3) ? 0 : r.uniform(0, 0.95));
-  p.dt = p.muscle.growth.growth_time * r.log_uniform(1e-6, largest_dt);
+  p.dt = p.muscle.growth.tau * r.log_uniform(1e-6, largest_dt);
   const double lambda = (p.F * p.state.n0.normalized()).norm();
   const double G = p.state.G;
   if (kind == Kind::growing) p.muscle.growth.lambda_crit = lambda / G * r.uniform(0.5, 0.98);

@@ -1,6 +1,6 @@
 // The batch against update_point; that a point's bits are its own; that nothing else is touched.
 #include <gtest/gtest.h>
-#include <myogrowth/batch.hpp>
+#include <myogrowth/many/batch.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -187,7 +187,7 @@ FibreGrowth<> material(samples::Random& r, double gamma, unsigned options) {
   if (options & 1) m.energy = EnergyPer::grown_volume;
   if (options & 2) m.integration = TimeIntegration::midpoint_flow;
   if (options & 4)
-    m.removal = {m.growth.growth_time * r.uniform(0.5, 2), r.pick({0.5, 1.0, 2.0, 3.3}), r.uniform(0.4, 0.9),
+    m.removal = {m.growth.tau * r.uniform(0.5, 2), r.pick({0.5, 1.0, 2.0, 3.3}), r.uniform(0.4, 0.9),
                  m.growth.lambda_crit * r.uniform(0.8, 1)};
   return m;
 }
@@ -203,7 +203,7 @@ Point<double> point(samples::Random& r, const FibreGrowth<>& m, Kind kind, doubl
   p.G = kind == Kind::saturated ? g.G_max * s.state.G / sg.G_max
                                 : 1 + (g.G_max - 1) * (s.state.G - 1) / (sg.G_max - 1);
   if (special == 1) p.G = g.G_max - (g.G_max - 1) * r.log_uniform(1e-14, 1e-2);
-  p.dt = s.dt / sg.growth_time * g.growth_time;
+  p.dt = s.dt / sg.tau * g.tau;
   const double lambda = (s.F * s.state.n0.normalized()).norm();
   double ratio = lambda / (s.state.G * sg.lambda_crit);
   if (special == 2) ratio = 1 + (r.chance(0.5) ? 1 : -1) * r.log_uniform(1e-11, 1e-2);
@@ -406,7 +406,7 @@ TYPED_TEST(Batch, PointsWithoutAResultAreCountedAndNothingElseIsTouched) {
   samples::Random r(23);
   for (double gamma : {0.5, 2.0, 2.3}) {
     FibreGrowth<> m = material(r, gamma, 0);
-    m.growth.growth_time = 0.1;  // the longest step is then more than the largest number of them
+    m.growth.tau = 0.1;  // the longest step is then more than the largest number of them
     const Point<double> good = point(r, m, Kind::growing, 10);
     std::vector<Result<double>> results;
     for (const Point<double>& bad : spoiled(good)) {
@@ -488,10 +488,10 @@ TYPED_TEST(BatchFloat, AgreesWithDouble) {
       FibreGrowth<> m = material(r, gamma, options);
       const auto round = [](double& x, float& y) { x = y = static_cast<float>(x); };
       round(m.c1, f.c1), round(m.c2, f.c2);
-      round(m.growth.growth_time, f.growth.growth_time), round(m.growth.gamma, f.growth.gamma);
+      round(m.growth.tau, f.growth.tau), round(m.growth.gamma, f.growth.gamma);
       round(m.growth.G_max, f.growth.G_max), round(m.growth.lambda_crit, f.growth.lambda_crit);
-      round(m.removal.removal_time, f.removal.removal_time), round(m.removal.gamma, f.removal.gamma);
-      round(m.removal.G_min, f.removal.G_min), round(m.removal.lambda_crit, f.removal.lambda_crit);
+      round(m.removal.tau_rev, f.removal.tau_rev), round(m.removal.gamma_rev, f.removal.gamma_rev);
+      round(m.removal.G_min, f.removal.G_min), round(m.removal.lambda_crit_rev, f.removal.lambda_crit_rev);
       f.energy = m.energy, f.integration = m.integration;
       std::vector<Point<double>> points;
       std::vector<Point<float>> rounded;

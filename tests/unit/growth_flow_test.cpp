@@ -14,13 +14,13 @@ const RemovalRate<> off;
 /// The flow in long double by the classical Runge-Kutta method, in steps far below its error.
 long double runge_kutta(const GrowthRate<>& p, const RemovalRate<>& down, long double G, long double lambda,
                         long double dt, int n = 20000) {
-  const GrowthRate<long double> up{p.growth_time, p.gamma, p.G_max, p.lambda_crit};
+  const GrowthRate<long double> up{p.tau, p.gamma, p.G_max, p.lambda_crit};
   const auto rate = [&](long double g) -> long double {
     if (lambda > up.lambda_crit * g) return up.rate(g, lambda);
-    if (down.removal_time == 0 || lambda >= down.lambda_crit * g || g <= down.G_min) return 0;
+    if (down.tau_rev == 0 || lambda >= down.lambda_crit_rev * g || g <= down.G_min) return 0;
     const long double x = (g - down.G_min) / (up.G_max - down.G_min);
-    return std::pow(x, static_cast<long double>(down.gamma)) / down.removal_time *
-           (lambda / g - down.lambda_crit);
+    return std::pow(x, static_cast<long double>(down.gamma_rev)) / down.tau_rev *
+           (lambda / g - down.lambda_crit_rev);
   };
   const long double h = dt / n;
   for (int i = 0; i < n; ++i) {
@@ -94,7 +94,7 @@ TEST(GrowthFlow, SlopeAndBounds) {
     const double dt = i % 3 == 0 ? r.log_uniform(1e-12, 1e300) : r.log_uniform(1e-4, 1e2);
     const auto s = flow_growth(up, down, G, lambda, dt);
     const double upper = std::max(G, std::min(up.G_max, lambda / up.lambda_crit));
-    const double lower = std::min(G, std::max(down.G_min, lambda / down.lambda_crit));
+    const double lower = std::min(G, std::max(down.G_min, lambda / down.lambda_crit_rev));
     ASSERT_TRUE(s.G >= lower && s.G <= upper);
     ASSERT_TRUE(s.dG_dlambda >= 0 && std::isfinite(s.dG_dlambda));
     EXPECT_LE(s.iterations, 260);
@@ -103,9 +103,9 @@ TEST(GrowthFlow, SlopeAndBounds) {
     const double difference =
         (flow_growth(up, down, G, lambda + h, dt).G - flow_growth(up, down, G, lambda - h, dt).G) / (2 * h);
     const bool kink = std::abs(lambda - up.lambda_crit * G) < 2 * h ||
-                      std::abs(lambda - down.lambda_crit * G) < 2 * h ||
+                      std::abs(lambda - down.lambda_crit_rev * G) < 2 * h ||
                       std::abs(lambda - up.lambda_crit * up.G_max) < 1e-3 ||
-                      std::abs(lambda - down.lambda_crit * down.G_min) < 1e-3;
+                      std::abs(lambda - down.lambda_crit_rev * down.G_min) < 1e-3;
     if (!kink && up.G_max - s.G > 1e-4 && s.G - down.G_min > 1e-4) {
       EXPECT_NEAR(s.dG_dlambda, difference, 2e-7) << i;
     }

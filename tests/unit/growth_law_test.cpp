@@ -2,7 +2,7 @@
 // differences, the limits of growth.
 #include <gtest/gtest.h>
 
-#include <myogrowth/growth_law.hpp>
+#include <myogrowth/more/growth_law.hpp>
 
 #include "../support/samples.hpp"
 
@@ -111,7 +111,7 @@ struct WrongDerivative {
 
 TEST(GrowthLaw, SaysThatItHasNotConverged) {
   const LawUpdate u = update(WrongDerivative(), NeoHookean<>(), stretched, n0, 1.2, 1);
-  EXPECT_EQ(u.status, Status::not_converged);
+  EXPECT_EQ(u.status, UpdateStatus::not_converged);
   EXPECT_FALSE(u.ok());
   EXPECT_EQ(u.g, 1.2);
   EXPECT_TRUE(std::isnan(u.P.norm()) && std::isnan(u.dP_dF.norm()));
@@ -121,14 +121,14 @@ TEST(GrowthLaw, NoResult) {
   const Isotropic law;
   const NeoHookean<> elasticity;
   const LawUpdate inverted = update(law, elasticity, -Mat3<double>::Identity(), n0, 1.2, 1);
-  EXPECT_EQ(inverted.status, Status::inverted);
+  EXPECT_EQ(inverted.status, UpdateStatus::inverted);
   EXPECT_EQ(inverted.g, 1.2);
   EXPECT_TRUE(std::isnan(inverted.P.norm()) && std::isnan(inverted.dP_dF.norm()));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(update(law, elasticity, Mat3<double>::Constant(nan), n0, 1, 1).status, Status::not_finite);
-  EXPECT_EQ(update(law, elasticity, stretched, n0, nan, 1).status, Status::not_finite);
-  EXPECT_EQ(update(law, elasticity, stretched, n0, 1, nan).status, Status::not_finite);
-  EXPECT_EQ(update(law, elasticity, 1e200 * stretched, n0, 1, 1).status, Status::not_finite);
+  EXPECT_EQ(update(law, elasticity, Mat3<double>::Constant(nan), n0, 1, 1).status, UpdateStatus::not_finite);
+  EXPECT_EQ(update(law, elasticity, stretched, n0, nan, 1).status, UpdateStatus::not_finite);
+  EXPECT_EQ(update(law, elasticity, stretched, n0, 1, nan).status, UpdateStatus::not_finite);
+  EXPECT_EQ(update(law, elasticity, 1e200 * stretched, n0, 1, 1).status, UpdateStatus::not_finite);
 }
 
 }  // namespace

@@ -104,9 +104,9 @@ TEST(GrowthSolve, HardRemovalAgainstFiftyDigits) {
     const double width = growth.G_max - rate.G_min;
     const double G_n = rate.G_min + width * (r.chance(0.5) ? r.uniform() : r.log_uniform(1e-5, 1));
     const double lambda =
-        r.chance(0.5) ? rate.lambda_crit * G_n * (1 - r.log_uniform(1e-6, 0.9))
-                      : rate.lambda_crit * rate.G_min * (1 + r.uniform(-1, 1) * r.log_uniform(1e-6, 0.1));
-    if (lambda >= rate.lambda_crit * G_n) continue;
+        r.chance(0.5) ? rate.lambda_crit_rev * G_n * (1 - r.log_uniform(1e-6, 0.9))
+                      : rate.lambda_crit_rev * rate.G_min * (1 + r.uniform(-1, 1) * r.log_uniform(1e-6, 0.1));
+    if (lambda >= rate.lambda_crit_rev * G_n) continue;
     const double dt = 0.5 * r.log_uniform(1e-8, 1e8);
     const auto s = solve_growth(growth, rate, G_n, lambda, dt);
     const Real h("1e-22"), exact = reference::shrink(growth, rate, G_n, lambda, dt);
@@ -115,7 +115,7 @@ TEST(GrowthSolve, HardRemovalAgainstFiftyDigits) {
                        (2 * h);
     removed += s.G < G_n;
     worst_G = std::max(worst_G, std::abs(static_cast<double>(s.G / exact - 1)));
-    if (dt <= 0.5e4 && (rate.gamma == 0 || rate.gamma >= 0.5)) {
+    if (dt <= 0.5e4 && (rate.gamma_rev == 0 || rate.gamma_rev >= 0.5)) {
       worst_slope = std::max(worst_slope, std::abs(static_cast<double>(s.dG_dlambda - slope)));
     }
   }

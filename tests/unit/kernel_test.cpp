@@ -1,8 +1,8 @@
 // The kernel compared with the readable definitions and with closed forms.
 #include <gtest/gtest.h>
-#include <myogrowth/left_stretch.hpp>
-#include <myogrowth/mixed_volume.hpp>
-#include <myogrowth/neo_hookean.hpp>
+#include <myogrowth/elastic/neo_hookean.hpp>
+#include <myogrowth/more/left_stretch.hpp>
+#include <myogrowth/more/mixed_volume.hpp>
 
 #include "../support/dual.hpp"
 #include "../support/samples.hpp"
@@ -186,7 +186,7 @@ TEST(Kernel, RefusesWhatItCannotTakeAndSaysWhy) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   const FibreGrowth<> muscle;
   const Mat3<double> I = Mat3<double>::Identity();
-  const auto expect = [&](Status status, const Mat3<double>& F, const State<>& state, double dt) {
+  const auto expect = [&](UpdateStatus status, const Mat3<double>& F, const State<>& state, double dt) {
     const auto u = update(muscle, F, state, dt);
     EXPECT_EQ(u.status(), status);
     EXPECT_FALSE(u.ok());
@@ -196,28 +196,28 @@ TEST(Kernel, RefusesWhatItCannotTakeAndSaysWhy) {
   };
   Mat3<double> F = I;
   F(2, 2) = -1;
-  expect(Status::inverted, F, {}, 1);
+  expect(UpdateStatus::inverted, F, {}, 1);
   F(2, 2) = 0;
-  expect(Status::inverted, F, {}, 1);
+  expect(UpdateStatus::inverted, F, {}, 1);
   F(2, 2) = nan;
-  expect(Status::not_finite, F, {}, 1);
+  expect(UpdateStatus::not_finite, F, {}, 1);
   F(2, 2) = inf;
-  expect(Status::not_finite, F, {}, 1);
-  expect(Status::not_finite, 1e200 * I, {}, 1);  // beyond the range of double
-  expect(Status::inverted, 1e-200 * I, {}, 1);
+  expect(UpdateStatus::not_finite, F, {}, 1);
+  expect(UpdateStatus::not_finite, 1e200 * I, {}, 1);  // beyond the range of double
+  expect(UpdateStatus::inverted, 1e-200 * I, {}, 1);
   State<> state;
   state.G = nan;
-  expect(Status::not_finite, I, state, 1);
+  expect(UpdateStatus::not_finite, I, state, 1);
   for (double G : {0.0, -1.0}) {
     state.G = G;
-    expect(Status::bad_state, I, state, 1);
+    expect(UpdateStatus::bad_state, I, state, 1);
   }
   state = {};
   state.n0 = {0, 0, 0};
-  expect(Status::no_fibre, I, state, 1);
+  expect(UpdateStatus::no_fibre, I, state, 1);
   state.n0 = {0, nan, 1};
-  expect(Status::not_finite, I, state, 1);
-  expect(Status::not_finite, I, {}, nan);
+  expect(UpdateStatus::not_finite, I, state, 1);
+  expect(UpdateStatus::not_finite, I, {}, nan);
 }
 
 // Small strains keep their digits: the stress compared with its series in H = F - I.
@@ -261,7 +261,7 @@ TYPED_TEST(Scalars, GiveTheSameUpdate) {
     FibreGrowth<V> m;
     m.c1 = static_cast<V>(p.muscle.c1);
     m.c2 = static_cast<V>(p.muscle.c2);
-    m.growth = {static_cast<V>(g.growth_time), static_cast<V>(g.gamma), static_cast<V>(g.G_max),
+    m.growth = {static_cast<V>(g.tau), static_cast<V>(g.gamma), static_cast<V>(g.G_max),
                 static_cast<V>(g.lambda_crit)};
     State<T> state;
     state.G = T(static_cast<V>(p.state.G));

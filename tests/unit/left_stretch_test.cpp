@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <myogrowth/left_stretch.hpp>
+#include <myogrowth/more/left_stretch.hpp>
 
 #include <Eigen/Dense>
 

@@ -1,7 +1,7 @@
 // Plane stress and uniaxial stress: the free stretch, and the condensed tangents.
 #include <gtest/gtest.h>
 #include <myogrowth/material.hpp>
-#include <myogrowth/stress_states.hpp>
+#include <myogrowth/more/stress_states.hpp>
 
 #include "../support/dual.hpp"
 #include "../support/reference.hpp"
@@ -36,11 +36,11 @@ Membrane membrane(samples::Random& r, Fibre fibre, Kind kind) {
   if (fibre == Fibre::in_plane) m.state.n0[2] = 0;
   if (fibre == Fibre::normal) m.state.n0 = {0, 0, -2};
   m.state.G = 1 + (m.muscle.growth.G_max - 1) * r.uniform(0, 0.9);
-  m.dt = m.muscle.growth.growth_time * r.log_uniform(1e-4, 1e3);
+  m.dt = m.muscle.growth.tau * r.log_uniform(1e-4, 1e3);
   PointUpdate<double> u;
   double thickness = 0, c[9];
   EXPECT_EQ(plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, 0.0, thickness, u, c),
-            Status::ok);
+            UpdateStatus::ok);
   m.muscle.growth.lambda_crit =
       u.lambda_e * (kind == Kind::growing ? r.uniform(0.6, 0.97) : r.uniform(1.05, 1.5));
   return m;
@@ -59,7 +59,7 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
     Eigen::Matrix3d c, by_complex_step;
     ASSERT_EQ(
         plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, m.dt, thickness, u, c.data()),
-        Status::ok);
+        UpdateStatus::ok);
     EXPECT_EQ(u.G > m.state.G, kind == Kind::growing);
     worst_stress = std::max(worst_stress, std::abs(u.tau[2]) / (m.muscle.c1 + m.muscle.c2));
 
@@ -76,7 +76,7 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
       double again = start, c_again[9];
       EXPECT_EQ(
           plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, m.dt, again, v, c_again),
-          Status::ok);
+          UpdateStatus::ok);
       EXPECT_NEAR(again / thickness, 1, 1e-13);
     }
 
@@ -91,7 +91,7 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
       Complex F33 = 0.8 * thickness, c_complex[9];
       ASSERT_EQ(plane_stress(m.muscle, step.data(), n0.data(), Complex(m.state.G), Complex(1), m.dt, F33, v,
                              c_complex),
-                Status::ok);
+                UpdateStatus::ok);
       by_complex_step.col(col) << v.tau[0].imag() / h, v.tau[1].imag() / h, v.tau[3].imag() / h;
     }
     worst_tangent = std::max(worst_tangent, (c - by_complex_step).norm() / c.norm());
@@ -138,7 +138,7 @@ TEST(PlaneStress, AgainstFiftyDigits) {
     Eigen::Matrix3d c, expected;
     ASSERT_EQ(
         plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, m.dt, thickness, u, c.data()),
-        Status::ok);
+        UpdateStatus::ok);
     const Real exact[2][2] = {{m.F(0, 0), m.F(0, 1)}, {m.F(1, 0), m.F(1, 1)}};
     EXPECT_LE(std::abs(static_cast<double>(solve(exact).first / thickness - 1)), 1e-12);
     for (int col = 0; col < 3; ++col) {
@@ -170,8 +170,8 @@ TEST(PlaneStress, SaysWhatItCannotTake) {
   PointUpdate<double> u;
   double thickness = 0.9, c[9];
   const double inverted[4] = {1, 0, 0, -1}, bad[4] = {1, nan, 0, 1};
-  EXPECT_EQ(plane_stress(muscle, inverted, n0, 1.0, 1.0, 1.0, thickness, u, c), Status::inverted);
-  EXPECT_EQ(plane_stress(muscle, bad, n0, 1.0, 1.0, 1.0, thickness, u, c), Status::not_finite);
+  EXPECT_EQ(plane_stress(muscle, inverted, n0, 1.0, 1.0, 1.0, thickness, u, c), UpdateStatus::inverted);
+  EXPECT_EQ(plane_stress(muscle, bad, n0, 1.0, 1.0, 1.0, thickness, u, c), UpdateStatus::not_finite);
   EXPECT_EQ(thickness, 0.9);
   EXPECT_TRUE(std::isnan(u.tau[0]));
 }
@@ -183,16 +183,16 @@ TEST(FreeStretch, SaysThatItHasNotConverged) {
   const auto never_free = [&](double, double& stress, double& slope) {
     ++evaluations;
     stress = -1, slope = 1;
-    return Status::ok;
+    return UpdateStatus::ok;
   };
-  EXPECT_EQ(detail::free_stretch(x, never_free), Status::not_converged);
+  EXPECT_EQ(detail::free_stretch(x, never_free), UpdateStatus::not_converged);
   EXPECT_EQ(evaluations, 200);
   const auto jumps = [](double at, double& stress, double& slope) {
     stress = at < 2 ? -1 : 1, slope = 1e-3;
-    return Status::ok;
+    return UpdateStatus::ok;
   };
   x = 1;
-  EXPECT_EQ(detail::free_stretch(x, jumps), Status::not_converged);
+  EXPECT_EQ(detail::free_stretch(x, jumps), UpdateStatus::not_converged);
 }
 
 TEST(UniaxialStress, FreesTheSidesAndCondensesTheSlope) {
@@ -205,20 +205,20 @@ TEST(UniaxialStress, FreesTheSidesAndCondensesTheSlope) {
     const double stretch = r.uniform(0.5, 2), G = r.uniform(1, 1.09), dt = r.log_uniform(1e-3, 1e2);
     PointUpdate<double> u;
     double side = 0, slope;
-    ASSERT_EQ(uniaxial_stress(m, stretch, G, 1.0, dt, side, u, slope), Status::ok);
+    ASSERT_EQ(uniaxial_stress(m, stretch, G, 1.0, dt, side, u, slope), UpdateStatus::ok);
     EXPECT_LE(std::abs(u.tau[1]) + std::abs(u.tau[2]), 2e-12 * (m.c1 + m.c2));
     const double h = 1e-40;
     PointUpdate<Complex> v;
     Complex side_c = 1, slope_c;
     ASSERT_EQ(
         uniaxial_stress(m, Complex(stretch, h * stretch), Complex(G), Complex(1), dt, side_c, v, slope_c),
-        Status::ok);
+        UpdateStatus::ok);
     EXPECT_NEAR(v.tau[0].imag() / h, slope, 1e-11 * (std::abs(slope) + m.c2));
     // the same strip as a membrane that is stretched to the same sides is stress-free across, too
     const double F[4] = {stretch, 0, 0, side}, n0[3] = {1, 0, 0};
     PointUpdate<double> w;
     double thickness = 0, c[9];
-    ASSERT_EQ(plane_stress(m, F, n0, G, 1.0, dt, thickness, w, c), Status::ok);
+    ASSERT_EQ(plane_stress(m, F, n0, G, 1.0, dt, thickness, w, c), UpdateStatus::ok);
     EXPECT_NEAR(thickness, side, 1e-12);
   }
 }
@@ -227,8 +227,8 @@ TEST(UniaxialStress, SaysWhatItCannotTake) {
   const FibreGrowth<> muscle;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (auto [stretch, G, expected] :
-       {std::tuple(nan, 1.0, Status::not_finite), std::tuple(-1.0, 1.0, Status::inverted),
-        std::tuple(1.1, 0.0, Status::bad_state)}) {
+       {std::tuple(nan, 1.0, UpdateStatus::not_finite), std::tuple(-1.0, 1.0, UpdateStatus::inverted),
+        std::tuple(1.1, 0.0, UpdateStatus::bad_state)}) {
     PointUpdate<double> u;
     double lateral = 0, slope = 0;
     EXPECT_EQ(uniaxial_stress(muscle, stretch, G, 1.0, 0.1, lateral, u, slope), expected);

@@ -20,7 +20,7 @@ double exact_held(const GrowthRate<>& r, double lambda, double t, double G_0 = 1
       return lambda / (b * b) * std::log(r.G_max - g) + r.G_max / b / (r.G_max - g) -
              lambda / (b * b) * std::log(std::abs(lambda - r.lambda_crit * g));
     };
-    return (r.G_max - 1) * (r.G_max - 1) * (primitive(G) - primitive(G_0)) * r.growth_time;
+    return (r.G_max - 1) * (r.G_max - 1) * (primitive(G) - primitive(G_0)) * r.tau;
   };
   const double end = std::min(r.G_max, lambda / r.lambda_crit);
   std::uintmax_t most = 200;

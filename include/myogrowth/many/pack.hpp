@@ -5,13 +5,13 @@
 /// vector extensions of g++ and clang. Every operation treats each lane on its own, so a lane's result
 /// depends neither on its place nor on its neighbours. Comparisons give a mask for `select` and `any`;
 /// `value` names the type alone, since many lanes have no one value to branch on.
-#ifndef MYOGROWTH_SIMD_HPP
-#define MYOGROWTH_SIMD_HPP
+#ifndef MYOGROWTH_MANY_PACK_HPP
+#define MYOGROWTH_MANY_PACK_HPP
 
 #include <cstdint>
 #include <limits>
 
-#include "scalar.hpp"
+#include "../scalar.hpp"
 
 #if defined(__AVX512F__) || defined(__AVX__) || defined(__SSE2__)
 #include <immintrin.h>

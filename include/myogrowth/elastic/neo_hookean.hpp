@@ -5,10 +5,10 @@
 ///   S = F_g^-1 S_e F_g^-T,   tau = F S F^T
 ///
 /// All per unit reference volume; for EnergyPer::grown_volume psi, S, L and tau are G times larger.
-#ifndef MYOGROWTH_NEO_HOOKEAN_HPP
-#define MYOGROWTH_NEO_HOOKEAN_HPP
+#ifndef MYOGROWTH_ELASTIC_NEO_HOOKEAN_HPP
+#define MYOGROWTH_ELASTIC_NEO_HOOKEAN_HPP
 
-#include "growth_tensor.hpp"
+#include "../growth_tensor.hpp"
 
 namespace myogrowth {
 

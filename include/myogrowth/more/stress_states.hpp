@@ -3,10 +3,10 @@
 ///
 /// Wrappers over update_point: they look for the stretch that frees the stress. In ln(stretch) that stress
 /// grows monotonely (docs/theory.md), so a bracketed Newton method finds the one root from any start.
-#ifndef MYOGROWTH_STRESS_STATES_HPP
-#define MYOGROWTH_STRESS_STATES_HPP
+#ifndef MYOGROWTH_MORE_STRESS_STATES_HPP
+#define MYOGROWTH_MORE_STRESS_STATES_HPP
 
-#include "kernel.hpp"
+#include "../kernel.hpp"
 
 namespace myogrowth {
 

@@ -1,5 +1,5 @@
 /// @file
-/// The update of many points at once: the law's own template with a SIMD pack as its scalar (simd.hpp).
+/// The update of many points at once: the law's own template with a SIMD pack as its scalar (pack.hpp).
 ///
 /// Every point is one lane of a pack. A lane's result is the same bits wherever it stands and however many
 /// points there are, and agrees with update_point to rounding. What a pack is not made for (a step that needs
@@ -13,17 +13,18 @@
 /// Materials in the place of the material gives every point its own. Points are independent: give parts of
 /// them to threads as you like. Compile with the target's flags (-mavx2 -mfma, -march=native, ...) and -O3;
 /// contraction to fused multiply-adds is welcome.
-#ifndef MYOGROWTH_BATCH_HPP
-#define MYOGROWTH_BATCH_HPP
+#ifndef MYOGROWTH_MANY_BATCH_HPP
+#define MYOGROWTH_MANY_BATCH_HPP
 
 #if defined(__clang__) && defined(__FAST_MATH__)
-#error "myogrowth/batch.hpp: clang's -ffast-math changes the results of packs; compile this file without it."
+#error \
+    "myogrowth/many/batch.hpp: clang's -ffast-math changes the results of packs; compile this file without it."
 #endif
 
 #include <utility>
 
-#include "points.hpp"
-#include "simd.hpp"
+#include "pack.hpp"
+#include "views.hpp"
 
 namespace myogrowth {
 
@@ -149,8 +150,8 @@ struct Stage<Streamed<W, components, block>, width, registers> {
 
 /// Apart, so that it does not weigh on the packs' code.
 template <Tangent tangent, Measure measure, class V, class In, class Out>
-MYOGROWTH_APART UpdateStatus update_apart(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
-                                          const Out& out) {
+MYOGROWTH_NOINLINE UpdateStatus update_apart(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
+                                             const Out& out) {
   return update_one<tangent, measure>(material, i, in, out);
 }
 
@@ -164,8 +165,8 @@ struct Begun {
 
 /// Removal in the lanes that shrink. Not inlined, since few packs need it.
 template <int N, class V>
-MYOGROWTH_APART SolvedStep<Pack<V, N>> remove(const FibreGrowth<V>& m, Mask<V, N> shrinks, Pack<V, N> G_n,
-                                              Pack<V, N> lambda, Pack<V, N> dt) {
+MYOGROWTH_NOINLINE SolvedStep<Pack<V, N>> remove(const FibreGrowth<V>& m, Mask<V, N> shrinks, Pack<V, N> G_n,
+                                                 Pack<V, N> lambda, Pack<V, N> dt) {
   return backward_euler(branch_of(m.growth, m.removal), shrinks, G_n, lambda, dt);
 }
 
@@ -237,7 +238,7 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
     else
       take(backward_euler(common.growth, up, G_n, lambda, dt));
   }
-  if (material.removal.removal_time > 0) {
+  if (material.removal.tau_rev > 0) {
     const auto down = shrinks(material.removal, G_n, lambda, dt) & !bad;
     if (any(down)) {
       const auto take = [&](const auto& step) {
@@ -399,8 +400,8 @@ constexpr int n_tangent = tangent == Tangent::compact       ? 7
 /// Fewer points than a register has, from point i on. Returns a bit for each that has to be done by
 /// update_one.
 template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
-MYOGROWTH_APART unsigned update_padded(const Common<V>& common, std::ptrdiff_t i, int points, const In& in,
-                                       const Out& out) {
+MYOGROWTH_NOINLINE unsigned update_padded(const Common<V>& common, std::ptrdiff_t i, int points, const In& in,
+                                          const Out& out) {
   constexpr int width = Pack<V, N>::width;
   Padded<V, width, 9> F;
   Padded<V, width, 3> n0;

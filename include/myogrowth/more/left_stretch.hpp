@@ -1,11 +1,11 @@
 /// @file
 /// The left stretch tensor V = sqrt(F F^T), for hosts that give F in a basis that turns with the material.
-#ifndef MYOGROWTH_LEFT_STRETCH_HPP
-#define MYOGROWTH_LEFT_STRETCH_HPP
+#ifndef MYOGROWTH_MORE_LEFT_STRETCH_HPP
+#define MYOGROWTH_MORE_LEFT_STRETCH_HPP
 
 #include <limits>
 
-#include "measures.hpp"
+#include "../measures.hpp"
 
 namespace myogrowth {
 

@@ -10,13 +10,13 @@
 ///   UpdateStatus status = update_one<Tangent::full>(material, i, in, out);
 ///
 /// batch.hpp is the same by many points at once.
-#ifndef MYOGROWTH_POINTS_HPP
-#define MYOGROWTH_POINTS_HPP
+#ifndef MYOGROWTH_MANY_VIEWS_HPP
+#define MYOGROWTH_MANY_VIEWS_HPP
 
 #include <cstddef>
 
-#include "kernel.hpp"
-#include "measures.hpp"
+#include "../kernel.hpp"
+#include "../measures.hpp"
 
 namespace myogrowth {
 

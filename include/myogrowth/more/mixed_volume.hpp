@@ -10,10 +10,10 @@
 ///   K = J d(m^/J^)/dJ^ at fixed shape = J (I:c^:I/9 - m^)/J^^2   (J d^2U/dJ^^2 of Abaqus's hybrid UMATs)
 ///
 /// Where J^ = J all this is the ordinary update. (Simo and Hughes, Computational Inelasticity, ch. 9.)
-#ifndef MYOGROWTH_MIXED_VOLUME_HPP
-#define MYOGROWTH_MIXED_VOLUME_HPP
+#ifndef MYOGROWTH_MORE_MIXED_VOLUME_HPP
+#define MYOGROWTH_MORE_MIXED_VOLUME_HPP
 
-#include "kernel.hpp"
+#include "../kernel.hpp"
 
 namespace myogrowth {
 

@@ -21,11 +21,11 @@
 /// All derivatives are complex steps, exact to rounding. This is the way to try a law out; one that is to be
 /// fast gets a closed form, as kernel.hpp is for growth along the fibre. CONTRIBUTING.md has a worked
 /// example.
-#ifndef MYOGROWTH_GROWTH_LAW_HPP
-#define MYOGROWTH_GROWTH_LAW_HPP
+#ifndef MYOGROWTH_MORE_GROWTH_LAW_HPP
+#define MYOGROWTH_MORE_GROWTH_LAW_HPP
 
-#include "kernel.hpp"
-#include "neo_hookean.hpp"
+#include "../elastic/neo_hookean.hpp"
+#include "../kernel.hpp"
 
 namespace myogrowth {
 

@@ -1,6 +1,6 @@
 // The packs' functions against long double, for every width; and that lanes know nothing of each other.
 #include <gtest/gtest.h>
-#include <myogrowth/simd.hpp>
+#include <myogrowth/many/pack.hpp>
 
 #include <limits>
 #include <vector>
