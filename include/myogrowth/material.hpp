@@ -10,6 +10,7 @@
 #ifndef MYOGROWTH_MATERIAL_HPP
 #define MYOGROWTH_MATERIAL_HPP
 
+#include "elastic/fibre_growth_of.hpp"
 #include "kernel.hpp"
 #include "tensor.hpp"
 #include "version.hpp"
@@ -24,12 +25,13 @@ struct State {
   Vec3<T> n0 = Vec3<T>::UnitX();  ///< fibre direction in the reference configuration, any length > 0 [-]
 };
 
-/// Result of an update. T as in FibreGrowth's formulas: a real number, complex, dual.
-template <class T = double>
+/// Result of an update. T as in FibreGrowth's formulas: a real number, complex, dual. Point: what
+/// update_point of the material gives.
+template <class T = double, class Point = PointUpdate<T>>
 struct Update {
-  State<T> state;        ///< at the end of the step; the state that came in if the update failed
-  Mat3<T> F;             ///< the deformation gradient it was made for [-]
-  PointUpdate<T> point;  ///< the kernel's numbers: lambda, lambda_e, J, Je, psi, dG_dlambda, ...
+  State<T> state;  ///< at the end of the step; the state that came in if the update failed
+  Mat3<T> F;       ///< the deformation gradient it was made for [-]
+  Point point;     ///< the kernel's numbers: lambda, lambda_e, J, Je, psi, dG_dlambda, ...
 
   /// Whether there is a result, and why not.
   UpdateStatus status() const { return point.status; }
@@ -87,21 +89,41 @@ struct Update {
   static Vec6<T> six(const T s[6]) { return Eigen::Map<const Vec6<T>>(s); }
 };
 
+namespace detail {
+
+template <class Point, class Material, class T, class P, class... Activation>
+Update<T, Point> make_update(const Material& material, const Mat3<T>& F, const State<T>& state, const P& dt,
+                             const Activation&... activation) {
+  Update<T, Point> result;
+  result.F = F;
+  result.state = state;
+  update_point(material, result.F.data(), state.n0.data(), state.G, state.lambda, dt, result.point,
+               activation...);
+  if (result.ok()) {
+    result.state.G = result.point.G;
+    result.state.lambda = result.point.lambda;
+  }
+  return result;
+}
+
+}  // namespace detail
+
 /// One step of length dt [time] to the deformation gradient F (3x3), from `state`, which is not changed.
 /// F may be any Eigen expression. dt <= 0 is an elastic step. If the update fails, `status()` says why and
 /// every stress is NaN.
 template <class T, class P>
 Update<T> update(const FibreGrowth<P>& material, const std::common_type_t<Mat3<T>>& F, const State<T>& state,
                  const std::common_type_t<P>& dt) {
-  Update<T> result;
-  result.F = F;
-  result.state = state;
-  update_point(material, result.F.data(), state.n0.data(), state.G, state.lambda, P(dt), result.point);
-  if (result.ok()) {
-    result.state.G = result.point.G;
-    result.state.lambda = result.point.lambda;
-  }
-  return result;
+  return detail::make_update<PointUpdate<T>>(material, F, state, P(dt));
+}
+
+/// The same with any elastic law. activation: a number from 0 to 1, constant over the step.
+template <class T, class Elastic, class P>
+Update<T, ElasticPointUpdate<T>> update(const FibreGrowthOf<Elastic, P>& material,
+                                        const std::common_type_t<Mat3<T>>& F, const State<T>& state,
+                                        const std::common_type_t<P>& dt,
+                                        const std::common_type_t<T>& activation = T(Real<T>(0))) {
+  return detail::make_update<ElasticPointUpdate<T>>(material, F, state, P(dt), activation);
 }
 
 }  // namespace myogrowth

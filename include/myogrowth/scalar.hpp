@@ -4,8 +4,9 @@
 /// Every formula of myogrowth is a template over its scalar: float, double, long double, std::complex<double>
 /// (complex-step derivatives) or a forward dual number. A scalar of your own needs + - * / with itself and
 /// with the real type under it, `sqrt`, `log1p`, `pow(x, exponent)`, and `value(x)`, found by
-/// argument-dependent look-up. `value` gives the real number that decides: all comparisons and the local
-/// iteration see it alone, so that a derivative carried beside it can never change the path taken.
+/// argument-dependent look-up; the laws of elastic/ also need `exp`, `expm1` and `log`. `value` gives the
+/// real number that decides: all comparisons and the local iteration see it alone, so that a derivative
+/// carried beside it can never change the path taken.
 #ifndef MYOGROWTH_SCALAR_HPP
 #define MYOGROWTH_SCALAR_HPP
 
@@ -96,6 +97,13 @@ template <class R>
 std::complex<R> log1p(const std::complex<R>& z) {
   const R x = z.real(), y = z.imag();
   return {log1p(x * (2 + x) + y * y) / 2, std::atan2(y, 1 + x)};
+}
+
+/// e^z - 1, likewise.
+template <class R>
+std::complex<R> expm1(const std::complex<R>& z) {
+  const R x = z.real(), y = z.imag(), half_sine = std::sin(y / 2);
+  return {expm1(x) * std::cos(y) - 2 * half_sine * half_sine, exp(x) * std::sin(y)};
 }
 
 /// ln(1 + f) = 2 artanh(s), s = f/(2 + f), for 1 + f from sqrt(1/2) to sqrt(2): with z = s^2 and h = f^2/2 it

@@ -111,8 +111,28 @@ struct Result {
   Matrix tau;
 };
 
-/// The update of a sample at F (which may differ from the sample's own, for differences).
-inline Result update(const samples::Point& p, const Matrix& F) {
+/// Kirchhoff stress and energy of an elastic law.
+struct Elastic {
+  Matrix tau;
+  Real psi;
+};
+
+/// Eq. 3.
+inline Elastic neo_hookean(const Real& c1, const Real& c2, const Matrix& Fe) {
+  const Matrix be = product(Fe, transpose(Fe));
+  const Real ln_Je = log(determinant(Fe));
+  Elastic e;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) e.tau[i][j] = (i == j ? Real(c1 * ln_Je - c2) : Real(0)) + c2 * be[i][j];
+  }
+  e.psi = (c1 * ln_Je * ln_Je + c2 * (be[0][0] + be[1][1] + be[2][2] - 3 - 2 * ln_Je)) / 2;
+  return e;
+}
+
+/// The update of a sample at F (which may differ from the sample's own, for differences) with an elastic law
+/// of F_e and the unit vector n0.
+template <class Law>
+Result update(const samples::Point& p, const Matrix& F, const Law& elastic) {
   Vector n, f;
   Real length = 0, lambda = 0;
   for (int i = 0; i < 3; ++i) length += Real(p.state.n0[i]) * Real(p.state.n0[i]);
@@ -130,17 +150,19 @@ inline Result update(const samples::Point& p, const Matrix& F) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) Fg[i][j] += (r.G - 1) * n[i] * n[j];
   }
-  const Matrix Fe = product(F, inverse(Fg));
-  const Matrix be = product(Fe, transpose(Fe));
-  const Real ln_Je = log(determinant(Fe)), c1 = p.muscle.c1, c2 = p.muscle.c2;
+  const Elastic e = elastic(product(F, inverse(Fg)), n);
   const Real factor = p.muscle.energy == myogrowth::EnergyPer::grown_volume ? r.G : Real(1);
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      r.tau[i][j] = factor * ((i == j ? Real(c1 * ln_Je - c2) : Real(0)) + c2 * be[i][j]);
-    }
+    for (int j = 0; j < 3; ++j) r.tau[i][j] = factor * e.tau[i][j];
   }
-  r.psi = factor * (c1 * ln_Je * ln_Je + c2 * (be[0][0] + be[1][1] + be[2][2] - 3 - 2 * ln_Je)) / 2;
+  r.psi = factor * e.psi;
   return r;
+}
+
+/// The same with the sample's own law, eq. 3.
+inline Result update(const samples::Point& p, const Matrix& F) {
+  return update(p, F,
+                [&](const Matrix& Fe, const Vector&) { return neo_hookean(p.muscle.c1, p.muscle.c2, Fe); });
 }
 
 inline Matrix first_piola(const Matrix& F, const Matrix& tau) { return product(tau, transpose(inverse(F))); }
@@ -148,9 +170,10 @@ inline Matrix second_piola(const Matrix& F, const Matrix& tau) {
   return product(inverse(F), product(tau, transpose(inverse(F))));
 }
 
-/// Central difference of measure(F, tau(F)) along dF.
-template <class Measure>
-Matrix derivative(const samples::Point& p, const Matrix& F, const Matrix& dF, Measure measure) {
+/// Central difference of measure(F, tau(F)) along dF, of the discrete update with these laws.
+template <class Measure, class... Law>
+Matrix derivative(const samples::Point& p, const Matrix& F, const Matrix& dF, Measure measure,
+                  const Law&... law) {
   const Real h("1e-16");
   Matrix plus = F, minus = F, d;
   for (int i = 0; i < 3; ++i) {
@@ -159,7 +182,8 @@ Matrix derivative(const samples::Point& p, const Matrix& F, const Matrix& dF, Me
       minus[i][j] -= h * dF[i][j];
     }
   }
-  const Matrix a = measure(plus, update(p, plus).tau), b = measure(minus, update(p, minus).tau);
+  const Matrix a = measure(plus, update(p, plus, law...).tau),
+               b = measure(minus, update(p, minus, law...).tau);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) d[i][j] = (a[i][j] - b[i][j]) / (2 * h);
   }
@@ -183,18 +207,21 @@ inline void put(const Matrix& A, int col, myogrowth::Mat6<double>& C) {
   }
 }
 
-inline myogrowth::Mat6<double> ddsdde(const samples::Point& p) {
+template <class... Law>
+myogrowth::Mat6<double> ddsdde(const samples::Point& p, const Law&... law) {
   myogrowth::Mat6<double> C;
   const Matrix F = exact(p.F);
   const Real J = determinant(F);
   for (int col = 0; col < 6; ++col) {
-    put(derivative(p, F, product(unit_strain(col), F),
-                   [&](const Matrix&, Matrix tau) {
-                     for (auto& row : tau) {
-                       for (auto& x : row) x /= J;
-                     }
-                     return tau;
-                   }),
+    put(derivative(
+            p, F, product(unit_strain(col), F),
+            [&](const Matrix&, Matrix tau) {
+              for (auto& row : tau) {
+                for (auto& x : row) x /= J;
+              }
+              return tau;
+            },
+            law...),
         col, C);
   }
   return C;

@@ -9,6 +9,7 @@
 #define MYOGROWTH_ELASTIC_NEO_HOOKEAN_HPP
 
 #include "../growth_tensor.hpp"
+#include "response.hpp"
 
 namespace myogrowth {
 
@@ -54,6 +55,22 @@ struct NeoHookean {
   Mat6<T> spatial_modulus(const Mat3<T>& be) const {
     const Mat3<T> identity = Mat3<T>::Identity();
     return T(c1) * dyad(identity, identity) + T(Real<T>(2) * c2) * symmetric_product(identity, be);
+  }
+
+  /// The law as the others are given (response.hpp). It has no fibre, and nothing that could be active.
+  template <class T>
+  void evaluate(const T Fe[9], const T n0[3], const T&, ElasticResponse<T>& out) const {
+    const ElasticDeformation<T> e = elastic_deformation(Fe, n0);
+    T identity[6], b[6];
+    for (int i = 0; i < 6; ++i) {
+      identity[i] = T(Real<T>(i < 3 ? 1 : 0));
+      b[i] = c2 * (identity[i] + e.B[i]);
+      out.tau[i] = c1 * e.ln_J * identity[i] + c2 * e.B[i];
+    }
+    for (T& x : out.c) x = T(Real<T>(0));
+    add_dyad(T(c1), identity, identity, out.c);
+    add_rate(b, out.c);
+    out.psi = (c1 * e.ln_J * e.ln_J + c2 * (e.B[0] + e.B[1] + e.B[2] - Real<T>(2) * e.ln_J)) / Real<T>(2);
   }
 };
 

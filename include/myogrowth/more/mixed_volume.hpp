@@ -17,6 +17,10 @@
 
 namespace myogrowth {
 
+/// What update_point of a material fills, for its type only.
+template <class T, class P>
+PointUpdate<T> point_of(const FibreGrowth<P>&);
+
 /// What mixed elements need besides stress and tangent.
 template <class T>
 struct MixedVolume {
@@ -24,12 +28,14 @@ struct MixedVolume {
   T K;  ///< J d(mean stress)/dJ^ [stress]
 };
 
-/// update_point for a mixed element with the volume ratio J_hat > 0; arguments and status as there.
+/// update_point for a mixed element with the volume ratio J_hat > 0; arguments and status as there (Material
+/// and Point: stress_states.hpp).
 /// out: the law at F^ (its J is J^), but for tau = J sigma. c[36]: J DDSDDE.
-template <class T, class P>
-MYOGROWTH_FUNCTION UpdateStatus update_mixed(const FibreGrowth<P>& material, const T F[9], const T n0[3],
+template <class Material, class T, class P, class Point, class... Activation>
+MYOGROWTH_FUNCTION UpdateStatus update_mixed(const Material& material, const T F[9], const T n0[3],
                                              const T& G_n, const T& lambda_n, const P& dt, const T& J_hat,
-                                             PointUpdate<T>& out, T c[36], MixedVolume<T>& volume) {
+                                             Point& out, T c[36], MixedVolume<T>& volume,
+                                             const Activation&... activation) {
   using V = Real<T>;
   const T J = determinant(F);
   if (!is_finite(J) || !is_finite(J_hat)) return detail::fail(UpdateStatus::not_finite, G_n, out);
@@ -37,7 +43,8 @@ MYOGROWTH_FUNCTION UpdateStatus update_mixed(const FibreGrowth<P>& material, con
   const T scale = pow(T(J_hat / J), V(1) / V(3));
   T F_hat[9];
   for (int i = 0; i < 9; ++i) F_hat[i] = scale * F[i];
-  if (update_point(material, F_hat, n0, G_n, lambda_n, dt, out) != UpdateStatus::ok) return out.status;
+  if (update_point(material, F_hat, n0, G_n, lambda_n, dt, out, activation...) != UpdateStatus::ok)
+    return out.status;
   spatial_modulus(out, c);
 
   const T ratio_minus_1 = (J - J_hat) / J_hat;  // the mean stress counts J/J^ times
@@ -56,16 +63,16 @@ MYOGROWTH_FUNCTION UpdateStatus update_mixed(const FibreGrowth<P>& material, con
 }
 
 /// dK/dJ^ [stress] of the same step, by central difference, good to 1e-9: it takes part in the host's Newton
-/// steps alone. NaN where K is not defined on both sides.
-template <class V>
-MYOGROWTH_FUNCTION V mixed_dK_dJ(const FibreGrowth<V>& material, const V F[9], const V n0[3], V G_n,
-                                 V lambda_n, V dt, V J_hat) {
+/// steps only. NaN where K is not defined on both sides.
+template <class Material, class V, class... Activation>
+MYOGROWTH_FUNCTION V mixed_dK_dJ(const Material& material, const V F[9], const V n0[3], V G_n, V lambda_n,
+                                 V dt, V J_hat, const Activation&... activation) {
   V c[36], difference(0);
-  PointUpdate<V> u;
+  decltype(point_of<V>(material)) u;
   const V width = J_hat / V(1 << 17);
   for (int side : {-1, 1}) {
     MixedVolume<V> volume{V(0), std::numeric_limits<V>::quiet_NaN()};
-    update_mixed(material, F, n0, G_n, lambda_n, dt, J_hat + side * width, u, c, volume);
+    update_mixed(material, F, n0, G_n, lambda_n, dt, J_hat + side * width, u, c, volume, activation...);
     difference = difference + side * volume.K;
   }
   return difference / (width + width);

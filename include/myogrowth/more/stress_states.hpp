@@ -1,8 +1,13 @@
 /// @file
 /// The update under a stress that is prescribed to vanish: plane stress and uniaxial stress.
 ///
-/// Wrappers over update_point: they look for the stretch that frees the stress. In ln(stretch) that stress
-/// grows monotonely (docs/theory.md), so a bracketed Newton method finds the one root from any start.
+/// Wrappers over update_point: they look for the stretch that frees the stress. With FibreGrowth that stress
+/// grows monotonely in ln(stretch) (docs/theory.md), so a bracketed Newton method finds the one root from any
+/// start. With other elastic laws (FibreGrowthOf) there may be several roots, or none: what is found is a
+/// root where the stress changes its sign, or the status says that none was.
+///
+/// Material and Point: FibreGrowth and PointUpdate, or FibreGrowthOf and ElasticPointUpdate, which take the
+/// activation as their last argument.
 #ifndef MYOGROWTH_MORE_STRESS_STATES_HPP
 #define MYOGROWTH_MORE_STRESS_STATES_HPP
 
@@ -66,17 +71,17 @@ MYOGROWTH_FUNCTION T modulus_entry(const T c[36], int row, int column) {
 /// F[4]: F_11, F_21, F_12, F_22. thickness: in, a start for F_33 (<= 0: none); out, F_33. u: the update at
 /// that F. c[9]: condensed modulus of the Jaumann rate of tau, rows and columns 11 22 12, column-major,
 /// engineering shear.
-template <class T, class P>
-MYOGROWTH_FUNCTION UpdateStatus plane_stress(const FibreGrowth<P>& material, const T F[4], const T n0[3],
+template <class Material, class T, class P, class Point, class... Activation>
+MYOGROWTH_FUNCTION UpdateStatus plane_stress(const Material& material, const T F[4], const T n0[3],
                                              const T& G_n, const T& lambda_n, const P& dt, T& thickness,
-                                             PointUpdate<T>& u, T c[9]) {
+                                             Point& u, T c[9], const Activation&... activation) {
   using V = Real<T>;
   const T zero(0);
   T full[36];
   T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
   const UpdateStatus status = detail::free_stretch(x, [&](const T& F33, T& stress, T& slope) {
     const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
-    const UpdateStatus made = update_point(material, F3, n0, G_n, lambda_n, dt, u);
+    const UpdateStatus made = update_point(material, F3, n0, G_n, lambda_n, dt, u, activation...);
     spatial_modulus(u, full);
     stress = u.tau[2];
     slope = detail::modulus_entry(full, 2, 2);
@@ -106,17 +111,17 @@ MYOGROWTH_FUNCTION UpdateStatus plane_stress(const FibreGrowth<P>& material, con
 /// lateral: in, a start (<= 0: none); out, the lateral stretch. u: the update at F = diag(stretch, lateral,
 /// lateral) with the fibre along 1, so that the axial force per reference area is u.tau[0]/stretch. slope:
 /// dtau_11/dln(stretch) at free sides, growth included [stress].
-template <class T, class P>
-MYOGROWTH_FUNCTION UpdateStatus uniaxial_stress(const FibreGrowth<P>& material, const T& stretch,
-                                                const T& G_n, const T& lambda_n, const P& dt, T& lateral,
-                                                PointUpdate<T>& u, T& slope) {
+template <class Material, class T, class P, class Point, class... Activation>
+MYOGROWTH_FUNCTION UpdateStatus uniaxial_stress(const Material& material, const T& stretch, const T& G_n,
+                                                const T& lambda_n, const P& dt, T& lateral, Point& u,
+                                                T& slope, const Activation&... activation) {
   using V = Real<T>;
   const T zero(0), n0[3] = {T(V(1)), zero, zero};
   T c[36];
   T x = value(lateral) > 0 && is_finite(lateral) ? lateral : T(V(1));
   const UpdateStatus status = detail::free_stretch(x, [&](const T& side, T& stress, T& dstress) {
     const T F[9] = {stretch, zero, zero, zero, side, zero, zero, zero, side};
-    const UpdateStatus made = update_point(material, F, n0, G_n, lambda_n, dt, u);
+    const UpdateStatus made = update_point(material, F, n0, G_n, lambda_n, dt, u, activation...);
     spatial_modulus(u, c);
     stress = u.tau[1];
     dstress = detail::modulus_entry(c, 1, 1) + detail::modulus_entry(c, 1, 2);

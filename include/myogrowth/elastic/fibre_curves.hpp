@@ -1,0 +1,97 @@
+/// @file
+/// The force-length curves of muscle that laws 1 and 2 share, of the normalised stretch l =
+/// lambda_e/lambda_opt, and what the energy needs of them.
+///
+///   active:   9 (l-0.4)^2 | 1 - 4 (1-l)^2 | 9 (l-1.6)^2    on 0.4 | 0.6 | 1.4 | 1.6, else 0
+///   passive:  0 (l <= 1);  a (e^{b (l-1)} - 1);  its tangent line beyond l = end
+///
+/// The slopes jump at l = 0.6, 1 and 1.4; there the tangent is the one from below.
+#ifndef MYOGROWTH_ELASTIC_FIBRE_CURVES_HPP
+#define MYOGROWTH_ELASTIC_FIBRE_CURVES_HPP
+
+#include "../scalar.hpp"
+
+namespace myogrowth {
+
+/// A curve at one stretch.
+template <class T>
+struct Curve {
+  T f;           ///< force [-, or stress]
+  T df;          ///< its slope df/dl
+  T area;        ///< integral of f dl from where it is 0
+  T area_per_l;  ///< integral of (f/l) dl from where it is 0
+};
+
+namespace detail {
+
+/// Integral from 1 to l of (e^{b (s-1)} - 1)/s ds, by Gauss's rule with 16 points: to rounding for
+/// b (l-1) <= 16. (In closed form it is an exponential integral.)
+template <class T, class P>
+MYOGROWTH_FUNCTION T expm1_per_l(const P& b, const T& l) {
+  using V = Real<T>;
+  constexpr double node[8] = {0.09501250983763744, 0.2816035507792589, 0.45801677765722737,
+                              0.6178762444026438,  0.755404408355003,  0.8656312023878318,
+                              0.9445750230732326,  0.9894009349916499};
+  constexpr double weight[8] = {0.18945061045506834,  0.1826034150449235,  0.16915651939500254,
+                                0.1495959888165766,   0.12462897125553402, 0.09515851168249282,
+                                0.062253523938647824, 0.027152459411754093};
+  const T half = (l - V(1)) / V(2);
+  T sum(V(0));
+  for (int i = 0; i < 8; ++i) {
+    for (int side = -1; side <= 1; side += 2) {
+      const T distance = half * V(1 + side * node[i]);
+      sum = sum + V(weight[i]) * expm1(T(b * distance)) / (V(1) + distance);
+    }
+  }
+  return half * sum;
+}
+
+}  // namespace detail
+
+/// The passive curve.
+template <class T, class P>
+MYOGROWTH_FUNCTION Curve<T> passive_curve(const T& l, const P& a, const P& b, const P& end) {
+  using V = Real<T>;
+  const V one(1);
+  if (!(value(l) > one)) return {T(V(0)), T(V(0)), T(V(0)), T(V(0))};
+  const bool beyond = value(l) > value(end);
+  const T s = beyond ? T(end) : l;
+  const T e = expm1(T(b * (s - one)));
+  const T df = a * b * (e + one);
+  Curve<T> c{T(a * e), df, T(a * (e / b - (s - one))), T(a * detail::expm1_per_l(b, s))};
+  if (beyond) {
+    const T d = l - s;
+    c.area = c.area + d * (c.f + df * d / V(2));
+    c.area_per_l = c.area_per_l + (c.f - df * s) * log(T(l / s)) + df * d;
+    c.f = c.f + df * d;
+  }
+  return c;
+}
+
+/// The active curve.
+template <class T>
+MYOGROWTH_FUNCTION Curve<T> active_curve(const T& l) {
+  using V = Real<T>;
+  const V x = value(l), begin(0.4), low(0.6), high(1.4), end(1.6), zero(0);
+  Curve<T> c{T(zero), T(zero), T(zero), T(zero)};
+  if (!(x > begin)) return c;
+  // Each piece is p (l - q)^2 + r; its integrals from `from` to `to`.
+  const auto add = [&](V p, V q, V r, V from, const T& to) {
+    const T to_q = to - q;
+    c.f = p * to_q * to_q + r;
+    c.df = V(2) * p * to_q;
+    c.area =
+        c.area + p / V(3) * (to_q * to_q * to_q - T((from - q) * (from - q) * (from - q))) + r * (to - from);
+    c.area_per_l = c.area_per_l + (p * q * q + r) * log(T(to / from)) - V(2) * p * q * (to - from) +
+                   p / V(2) * (to - from) * (to + from);
+  };
+  add(V(9), begin, zero, begin, x > low ? T(low) : l);
+  if (x > low) add(V(-4), V(1), V(1), low, x > high ? T(high) : l);
+  if (x > high) add(V(9), end, zero, high, x > end ? T(end) : l);
+  if (x > end) c.f = c.df = T(zero);
+  return c;
+}
+
+}  // namespace myogrowth
+
+#endif
