@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <myogrowth/many/pack.hpp>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -57,6 +59,32 @@ class Simd : public testing::Test {
     this->RecordProperty("worst", std::to_string(worst));
     return worst;
   }
+  /// The largest error in ulps over the whole of [low, high], 0 < low: so many numbers that are evenly spaced
+  /// among all that the format has there, both ends included; with the other sign if `negative`.
+  template <class F, class Exact>
+  double worst_between(double low, double high, bool negative, F f, Exact exact) {
+    using Bits = std::conditional_t<is_double, std::uint64_t, std::uint32_t>;
+    const auto bits_of = [](double x) {
+      const V v = static_cast<V>(x);
+      Bits bits;
+      std::memcpy(&bits, &v, sizeof v);
+      return bits;
+    };
+    constexpr Bits count = 60000 / N * N;
+    const Bits first = bits_of(low), step = (bits_of(high) - first) / (count - 1),
+               rest = (bits_of(high) - first) % (count - 1);
+    Bits i = 0;
+    const auto next = [&] {
+      const Bits bits = first + i * step + std::min(i, rest);
+      i = (i + 1) % count;
+      V v;
+      std::memcpy(&v, &bits, sizeof v);
+      return negative ? -v : v;
+    };
+    double largest = 0;
+    for (Bits n = 0; n < count; n += 20000 / N * N) largest = std::max(largest, worst(next, f, exact));
+    return largest;
+  }
   template <class X, class F, class Exact>
   double worst(X x, F f, Exact exact) {
     return worst(x, f, exact, [](V) { return 1.0; });
@@ -76,6 +104,41 @@ TYPED_TEST_SUITE(Simd, Widths, );
   using P = typename Test::P;                 \
   [[maybe_unused]] constexpr int N = Test::N; \
   [[maybe_unused]] constexpr bool is_double = Test::is_double
+
+// The errors and ranges that pack.hpp's comments state.
+TYPED_TEST(Simd, MaxErrorsInTheirValidRanges) {
+  MYOGROWTH_NAMES;
+  using Limits = std::numeric_limits<V>;
+  const double tiny = static_cast<double>(Limits::min()), most = 0.7 * static_cast<double>(Limits::max());
+  const double to_1 = 1 - static_cast<double>(Limits::epsilon()) / 2;
+  const auto log1p_ = [](const P& x) { return log1p(x); };
+  const auto log_ = [](const P& x) { return log(x); };
+  const auto exp_ = [](const P& x) { return exp(x); };
+  const auto expm1_ = [](const P& x) { return expm1(x); };
+  const auto print = [&](const char* name, double error) {
+    this->RecordProperty(name, std::to_string(error));
+    return error;
+  };
+  EXPECT_LE(print("log", this->worst_between(tiny, most, false, log_, [](long double x) { return logl(x); })),
+            1);
+  EXPECT_LE(
+      print("log1p", this->worst_between(tiny, most, false, log1p_, [](long double x) { return log1pl(x); })),
+      1);
+  EXPECT_LE(print("log1p_n",
+                  this->worst_between(tiny, to_1, true, log1p_, [](long double x) { return log1pl(x); })),
+            1);
+  const double low = is_double ? 708 : 87, high = is_double ? 709 : 88;
+  EXPECT_LE(print("exp", this->worst_between(tiny, high, false, exp_, [](long double x) { return expl(x); })),
+            1);
+  EXPECT_LE(print("exp_n", this->worst_between(tiny, low, true, exp_, [](long double x) { return expl(x); })),
+            1);
+  EXPECT_LE(
+      print("expm1", this->worst_between(tiny, high, false, expm1_, [](long double x) { return expm1l(x); })),
+      2.5);
+  EXPECT_LE(
+      print("expm1_n", this->worst_between(tiny, low, true, expm1_, [](long double x) { return expm1l(x); })),
+      2.5);
+}
 
 TYPED_TEST(Simd, Log1p) {
   MYOGROWTH_NAMES;
