@@ -119,6 +119,7 @@ def raw(shape):
         result.elsets["TENDON"] = np.flatnonzero(~is_muscle).tolist()
     last = (len(z) - 1) * len(places)
     result.surfaces = {"PROXIMAL": [tuple(q) for q in quads.tolist()], "DISTAL": [tuple(q) for q in (quads + last).tolist()]}
+    result.stretch = 0.1 * shape.length / (shape.length + 2 * shape.tendon_length)  # of all, for a tenth of the muscle's length
     result.notes.append(f"built in: length {shape.length:g}, belly {shape.belly_diameter:g}, ends {shape.end_diameter:g}, tendons "
                         f"{shape.tendon_length:g} mm, pennation {shape.pennation:g} degrees")
     if shape.pennation:

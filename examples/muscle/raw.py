@@ -37,6 +37,7 @@ class Raw:
     fibres: list = None  # (x, y, z) of each cell
     notes: list = field(default_factory=list)  # what the user should know of the reading
     fibres_from: str = ""
+    stretch: float = None  # part of the distance that DISTAL is moved by, if the mesh asks for one
 
     def where(self, place):
         """FILE:LINE, or FILE for a binary file."""
