@@ -158,7 +158,7 @@ def draw_muscle(mesh, out, ramp):
     outer, views = facets(mesh), frames(mesh)
     lines = read_streamlines(out / "streamlines.csv")
     surface = [cell for _, cell in outer if not fields[days[0]].tendon[cell]]
-    top = max(np.percentile(f.lambda_e[surface], 99) for f in fields.values())
+    top = max(np.percentile(f.lambda_e[surface], 97) for f in fields.values())
     norm, colours = Normalize(1.0, max(round(top, 2), 1.01), clip=True), plt.get_cmap("viridis")
     columns = (1 if lines else 0) + len(days)
     widths = [np.ptp(mesh.X @ views[0][0])]

@@ -1,4 +1,4 @@
-# shellcheck shell=bash disable=SC2154,SC2034 # variables of ./run, and for it
+# shellcheck shell=bash disable=SC2154,SC2034,SC2164 # variables of ./run, and for it
 # ./run muscle, sourced by ./run after examples/dealii/run.sh: builds the solver unless only the mesh is asked for.
 
 muscle_run() {
