@@ -17,7 +17,7 @@ BANNER = """// myogrowth {version}: the UMAT in one file, made from abi/{name} a
 #define MYOGROWTH_SINGLE_FILE
 """
 # Comments speak of tensors in symbols that some compilers' code pages lack.
-ASCII = {"⊗": "(x)", "∘": "o", "é": "e", "ö": "oe"}
+ASCII = {"⊗": "(x)", "·": ".", "∘": "o", "é": "e", "ö": "oe"}
 
 
 def inlined(path, include, seen):

@@ -50,9 +50,11 @@ MYOGROWTH_NOINLINE inline void take_deformation(const double* dfgrd1, int ntens,
   if (ntens == 3) F[8] = 1;
 }
 
-/// What a time step is made from.
+/// What a time step is made from. Material: FibreGrowth, or FibreGrowthOf, with which functions below take
+/// the activation last.
+template <class Material = FibreGrowth<double>>
 struct Step {
-  const FibreGrowth<double>& material;
+  const Material& material;
   const double* F;
   const Start& start;
   double dt;
@@ -70,8 +72,10 @@ UpdateStatus pack(const double* tau, const double* c, int rows, double per_J, do
 }
 
 /// Solids, NTENS = 6.
-inline UpdateStatus update_solid(const Step& s, PointUpdate<double>& u, double* stress, double* ddsdde) {
-  if (update_point(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, u) != UpdateStatus::ok)
+template <class Material, class Point, class... Activation>
+UpdateStatus update_solid(const Step<Material>& s, Point& u, double* stress, double* ddsdde,
+                          const Activation&... a) {
+  if (update_point(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, u, a...) != UpdateStatus::ok)
     return u.status;
   const double per_J = 1 / u.J;
   spatial_modulus(u, ddsdde, per_J);
@@ -85,9 +89,10 @@ inline UpdateStatus update_solid(const Step& s, PointUpdate<double>& u, double* 
 }
 
 /// Plane strain and axisymmetric elements, NTENS = 4.
-inline UpdateStatus update_plane_strain(const Step& s, PointUpdate<double>& u, double* stress,
-                                        double* ddsdde) {
-  if (update_point(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, u) != UpdateStatus::ok)
+template <class Material, class Point, class... Activation>
+UpdateStatus update_plane_strain(const Step<Material>& s, Point& u, double* stress, double* ddsdde,
+                                 const Activation&... a) {
+  if (update_point(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, u, a...) != UpdateStatus::ok)
     return u.status;
   double c[36];
   spatial_modulus(u, c, 1 / u.J);
@@ -96,11 +101,12 @@ inline UpdateStatus update_plane_strain(const Step& s, PointUpdate<double>& u, d
 }
 
 /// Plane stress, membranes and shells, NTENS = 3. thickness: in, a start for F_33; out, F_33.
-inline UpdateStatus update_plane_stress(const Step& s, double& thickness, PointUpdate<double>& u,
-                                        double* stress, double* ddsdde) {
+template <class Material, class Point, class... Activation>
+UpdateStatus update_plane_stress(const Step<Material>& s, double& thickness, Point& u, double* stress,
+                                 double* ddsdde, const Activation&... a) {
   const double in_plane[4] = {s.F[0], s.F[1], s.F[3], s.F[4]};
   double c[9];
-  plane_stress(s.material, in_plane, s.start.n0, s.start.G, s.start.lambda, s.dt, thickness, u, c);
+  plane_stress(s.material, in_plane, s.start.n0, s.start.G, s.start.lambda, s.dt, thickness, u, c, a...);
   if (u.status != UpdateStatus::ok) return u.status;
   const double plane[3] = {u.tau[0], u.tau[1], u.tau[3]};
   return pack<3>(plane, c, 3, 1 / u.J, stress, ddsdde);
@@ -108,14 +114,15 @@ inline UpdateStatus update_plane_stress(const Step& s, double& thickness, PointU
 
 /// Mixed solids and plane strain. STRESS goes on: after J^, which is given, K = J d2U/dJ^2 and dK/dJ^ are
 /// returned.
-inline UpdateStatus update_mixed_element(const Step& s, int ntens, double* J_hat, PointUpdate<double>& u,
-                                         double* stress, double* ddsdde) {
+template <class Material, class Point, class... Activation>
+UpdateStatus update_mixed_element(const Step<Material>& s, int ntens, double* J_hat, Point& u, double* stress,
+                                  double* ddsdde, const Activation&... a) {
   MixedVolume<double> volume{1, std::numeric_limits<double>::quiet_NaN()};
   double c[36];
-  update_mixed(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, *J_hat, u, c, volume);
+  update_mixed(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, *J_hat, u, c, volume, a...);
   if (u.status != UpdateStatus::ok) return u.status;
   J_hat[1] = volume.K;
-  J_hat[2] = mixed_dK_dJ(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, *J_hat);
+  J_hat[2] = mixed_dK_dJ(s.material, s.F, s.start.n0, s.start.G, s.start.lambda, s.dt, *J_hat, a...);
   if (!are_finite(J_hat + 1, 2)) return UpdateStatus::not_finite;
   return ntens == 6 ? pack<6>(u.tau, c, 6, 1 / volume.J, stress, ddsdde)
                     : pack<4>(u.tau, c, 6, 1 / volume.J, stress, ddsdde);

@@ -58,11 +58,14 @@ constexpr int digits() {
 
 /// Says that x is not allowed for entry i of PROPS, which goes by its symbol, "G_max = 0.9: ...", or by a
 /// place, "PROPS(5) = 0.9: G_max, ...".
-inline bool tell_bad_entry(int i, double x, Text& text, const char* place = nullptr,
+inline bool tell_bad_entry(const Property& p, double x, Text& text, const char* place = nullptr,
                            int n_digits = digits<double>()) {
-  const Property& p = property(i);
   return tell(text, "%s = %.*g: %s%s%s, must be finite and %s.", place ? place : p.symbol, n_digits, x,
               place ? p.symbol : "", place ? ", " : "", p.meaning, abi::text(p.allowed));
+}
+inline bool tell_bad_entry(int i, double x, Text& text, const char* place = nullptr,
+                           int n_digits = digits<double>()) {
+  return tell_bad_entry(property(i), x, text, place, n_digits);
 }
 
 /// True, and the text, if the material may not have x as its parameter of entry i: for readers that take one
@@ -108,8 +111,10 @@ MYOGROWTH_NOINLINE bool find_fault_among_all(const R* props, int nprops, Propert
   }
   for (int i = n_props; i < nprops; ++i) {
     if (props[i] != 0) {
-      return tell(text, "PROPS(%d) = %.*g: this version knows %d constants; further ones must be 0.", i + 1,
-                  digits<R>(), static_cast<double>(props[i]), n_props);
+      return tell(text, "PROPS(%d) = %.*g: %s", i + 1, digits<R>(), static_cast<double>(props[i]),
+                  i == law_entry
+                      ? "this host has elastic law 0 only (docs/laws.md lists those with others); must be 0."
+                      : "elastic law 0 has 18 constants; further ones must be 0.");
     }
   }
   return false;

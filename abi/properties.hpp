@@ -19,7 +19,9 @@ enum class Allowed {
   any,
   zero_or_one,
   below_one,
-  up_to_lambda_crit
+  up_to_lambda_crit,
+  up_to_one,
+  above_lambda_min
 };
 
 /// One entry of PROPS.
@@ -42,6 +44,7 @@ constexpr int n_props_plain = 9;   ///< entries before the options, all of which
 constexpr int energy_entry = 10;   ///< index of energy in PROPS: the first of the options but for the frame
 constexpr int tau_rev_entry = 13;  ///< index of tau_rev in PROPS: the first of removal's
 constexpr int hybrid_entry = 17;  ///< index of hybrid in PROPS: what is before it, from tau_rev, is removal's
+constexpr int law_entry = n_props;    ///< index of the elastic law in PROPS: elastic_laws.hpp
 constexpr int n_props_required = 6;   ///< entries that have no default
 constexpr int n_statev = 9;           ///< entries that the UMAT keeps, as far as NSTATV has room
 constexpr int stretch_entry = 2;      ///< index of lambda in STATEV
@@ -130,6 +133,10 @@ inline const char* text(Allowed allowed) {
       return "> 0 and < 1";
     case Allowed::up_to_lambda_crit:
       return "> 0 and <= lambda_crit";
+    case Allowed::up_to_one:
+      return ">= 0 and <= 1";
+    case Allowed::above_lambda_min:
+      return "> lambda_min";
   }
   return "";
 }
@@ -154,6 +161,10 @@ inline bool is_in_range(Allowed allowed, double x, const double* all) {
       return x > 0 && x < 1;
     case Allowed::up_to_lambda_crit:
       return x > 0 && x <= lambda_crit;
+    case Allowed::up_to_one:
+      return x >= 0 && x <= 1;
+    case Allowed::above_lambda_min:
+      return x > all[6];  // of law 3's own entries
   }
   return false;
 }

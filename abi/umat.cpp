@@ -8,6 +8,7 @@
 
 #include "abaqus.h"
 #include "dump.hpp"
+#include "elastic_laws.hpp"
 #include "element_family.hpp"
 
 // Abaqus's message and exit utilities.
@@ -20,10 +21,11 @@ namespace {
 
 using namespace myogrowth;
 
-bool find_fault(int ntens, int ndi, int nshr, int nstatv, const double* statev, const double* props,
-                int nprops, abi::Properties& properties, abi::Start& start, abi::Text& text) {
-  return abi::find_family_fault(ntens, ndi, nshr, text) ||
-         abi::find_props_fault(props, nprops, properties, text) ||
+// find_props: reads PROPS.
+template <class FindPropsFault>
+bool find_fault(int ntens, int ndi, int nshr, int nstatv, const double* statev, abi::Properties& properties,
+                abi::Start& start, abi::Text& text, const FindPropsFault& find_props_fault) {
+  return abi::find_family_fault(ntens, ndi, nshr, text) || find_props_fault() ||
          (ntens == 3 && abi::find_hybrid_fault("plane stress", properties, text)) ||
          abi::find_room_fault("NSTATV", nstatv, text) ||
          abi::find_stretch_fault("NSTATV", nstatv, properties, text) ||
@@ -42,6 +44,80 @@ void refuse(int ntens, double* stress, double* ddsdde, double* sse, double* J_ha
   abi::lower(*pnewdt, abi::cut_back);
 }
 
+// The arguments of a call, named as in abaqus.h.
+struct Call {
+  double *stress, *statev, *ddsdde, *sse;
+  const double *dtime, *predef, *dpred, *props, *dfgrd1;
+  const int *ndi, *nshr, *ntens, *nstatv, *nprops;
+  double* pnewdt;
+};
+
+// The end of a call that has no result. J_hat: as above.
+MYOGROWTH_NOINLINE void fail(Call c, double* J_hat, const char* fault) {
+  abi::dump({*c.ntens, *c.ndi, *c.nshr, *c.nstatv, *c.nprops, c.statev, c.props, c.dfgrd1, *c.dtime,
+             *c.pnewdt, J_hat},
+            fault);
+  refuse(*c.ntens, c.stress, c.ddsdde, c.sse, J_hat, c.pnewdt);
+}
+
+// The step of a material, from PROPS and STATEV that have been checked. call(): the arguments, which are
+// fetched only where they are needed.
+template <class Point, class GetCall, class Material, class... Activation>
+void update(const GetCall& call, const abi::Properties& properties, const abi::Start& start,
+            const Material& material, const Activation&... a) {
+  const int ntens = *call().ntens, nstatv = *call().nstatv;
+  double *J_hat = properties.hybrid ? call().stress + ntens : nullptr, *stress = call().stress,
+         *ddsdde = call().ddsdde;
+
+  // The deformation gradient, in fixed axes or as the left stretch in a basis that turns with the material.
+  double F[9];
+  const bool as_given = ntens == 6 && call().dfgrd1[0] != 0 && !properties.local_basis;
+  if (!as_given) abi::take_deformation(call().dfgrd1, ntens, F);
+  if (properties.local_basis && !left_stretch(F, F)) {
+    fail(call(), J_hat, "inverted or not finite: F must be finite and det F > 0");
+    return;
+  }
+
+  // Update.
+  const abi::Step<Material> step{material, as_given ? call().dfgrd1 : F, start, *call().dtime};
+  const bool keeps_thickness = ntens == 3 && nstatv > abi::thickness_entry;
+  double thickness = keeps_thickness ? call().statev[abi::thickness_entry] : 0;
+  Point u;
+  const UpdateStatus status = J_hat        ? update_mixed_element(step, ntens, J_hat, u, stress, ddsdde, a...)
+                              : ntens == 6 ? update_solid(step, u, stress, ddsdde, a...)
+                              : ntens == 4 ? update_plane_strain(step, u, stress, ddsdde, a...)
+                                           : update_plane_stress(step, thickness, u, stress, ddsdde, a...);
+  if (status != UpdateStatus::ok) {
+    fail(call(), J_hat, abi::text(status));
+    return;
+  }
+
+  // Write.
+  *call().sse = u.psi;
+  if (properties.tolerance > 0)
+    abi::lower(*call().pnewdt,
+               abi::advised_factor(properties, start.G, start.lambda, u.lambda, *call().dtime));
+  abi::write_state(u, call().statev, nstatv);
+  if (keeps_thickness) call().statev[abi::thickness_entry] = thickness;
+}
+
+// A call whose PROPS ask for an elastic law other than eq. 3. False, and the text, if something is not
+// allowed.
+MYOGROWTH_NOINLINE bool update_with_law(Call c, abi::Text& text) {
+  abi::Properties properties;
+  abi::Start start;
+  abi::LawChoice choice{};
+  const auto find_law_fault = [&] {
+    return abi::find_law_fault(c.props, *c.nprops, c.predef, c.dpred, properties, choice, text);
+  };
+  if (find_fault(*c.ntens, *c.ndi, *c.nshr, *c.nstatv, c.statev, properties, start, text, find_law_fault))
+    return false;
+  abi::with_chosen_law(choice, properties.material, [&](const auto& material, double activation) {
+    update<ElasticPointUpdate<double>>([&] { return c; }, properties, start, material, activation);
+  });
+  return true;
+}
+
 }  // namespace
 
 extern "C" {
@@ -51,8 +127,8 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
                                    double* /*spd*/, double* /*scd*/, double* rpl, double* ddsddt,
                                    double* drplde, double* drpldt, const double* /*stran*/,
                                    const double* /*dstran*/, const double* /*time*/, const double* dtime,
-                                   const double* /*temp*/, const double* /*dtemp*/, const double* /*predef*/,
-                                   const double* /*dpred*/, const char* /*cmname*/, const int* ndi,
+                                   const double* /*temp*/, const double* /*dtemp*/, const double* predef,
+                                   const double* dpred, const char* /*cmname*/, const int* ndi,
                                    const int* nshr, const int* ntens, const int* nstatv, const double* props,
                                    const int* nprops, const double* /*coords*/, const double* /*drot*/,
                                    double* pnewdt, const double* /*celent*/, const double* /*dfgrd0*/,
@@ -63,50 +139,21 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
   for (int i = 0, n = *ntens; i < n && i < 6; ++i) ddsddt[i] = drplde[i] = 0;
 
   // Check. STATEV is as it came in wherever there is no result.
+  const auto call = [&] {
+    return Call{stress, statev, ddsdde, sse,   dtime,  predef, dpred, props,
+                dfgrd1, ndi,    nshr,   ntens, nstatv, nprops, pnewdt};
+  };
   abi::Properties properties;
   abi::Start start;
-  double* J_hat = nullptr;
-  const auto fail = [&](const char* fault) {
-    abi::dump({*ntens, *ndi, *nshr, *nstatv, *nprops, statev, props, dfgrd1, *dtime, *pnewdt, J_hat}, fault);
-    refuse(*ntens, stress, ddsdde, sse, J_hat, pnewdt);
-  };
   abi::Text text;
-  if (find_fault(*ntens, *ndi, *nshr, *nstatv, statev, props, *nprops, properties, start, text)) {
-    fail(text);
+  const auto find_props_fault = [&] { return abi::find_props_fault(props, *nprops, properties, text); };
+  if (find_fault(*ntens, *ndi, *nshr, *nstatv, statev, properties, start, text, find_props_fault)) {
+    if (abi::asks_for_law(props, *nprops) && update_with_law(call(), text)) return;
+    fail(call(), nullptr, text);
     abi::report("UMAT", text, MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR), MYOGROWTH_FORTRAN(xit, XIT));
     return;
   }
-  if (properties.hybrid) J_hat = stress + *ntens;
-
-  // The deformation gradient, in fixed axes or as the left stretch in a basis that turns with the material.
-  double F[9];
-  const bool as_given = *ntens == 6 && dfgrd1[0] != 0 && !properties.local_basis;
-  if (!as_given) abi::take_deformation(dfgrd1, *ntens, F);
-  if (properties.local_basis && !left_stretch(F, F)) {
-    fail("inverted or not finite: F must be finite and det F > 0");
-    return;
-  }
-
-  // Update.
-  const abi::Step step{properties.material, as_given ? dfgrd1 : F, start, *dtime};
-  const bool keeps_thickness = *ntens == 3 && *nstatv > abi::thickness_entry;
-  double thickness = keeps_thickness ? statev[abi::thickness_entry] : 0;
-  PointUpdate<double> u;
-  const UpdateStatus status = J_hat         ? update_mixed_element(step, *ntens, J_hat, u, stress, ddsdde)
-                              : *ntens == 6 ? update_solid(step, u, stress, ddsdde)
-                              : *ntens == 4 ? update_plane_strain(step, u, stress, ddsdde)
-                                            : update_plane_stress(step, thickness, u, stress, ddsdde);
-  if (status != UpdateStatus::ok) {
-    fail(abi::text(status));
-    return;
-  }
-
-  // Write.
-  *sse = u.psi;
-  if (properties.tolerance > 0)
-    abi::lower(*pnewdt, abi::advised_factor(properties, start.G, start.lambda, u.lambda, *dtime));
-  abi::write_state(u, statev, *nstatv);
-  if (keeps_thickness) statev[abi::thickness_entry] = thickness;
+  update<PointUpdate<double>>(call, properties, start, properties.material);
 }
 
 /// The same routine under a name of its own, for a user's UMAT that dispatches between materials.

@@ -20,7 +20,8 @@ struct Call {
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   double dtime = 0.1, pnewdt = 1;
   int ntens = 6, ndi = of_family, nshr = of_family;
-  double J_hat = 1;  // STRESS(NTENS+1) of a mixed element
+  double predef = 0, dpred = 0;  // field variable 1, and its increment
+  double J_hat = 1;              // STRESS(NTENS+1) of a mixed element
 
   Eigen::Matrix<double, 6, 1> stress = Eigen::Matrix<double, 6, 1>::Constant(untouched);
   Eigen::Matrix<double, 6, 6> ddsdde = Eigen::Matrix<double, 6, 6>::Constant(untouched);
@@ -36,14 +37,14 @@ struct Call {
   Call& run(Umat* umat = MYOGROWTH_FORTRAN(umat, UMAT)) {
     const int n_direct = this->n_direct(), n_shear = this->n_shear(), kstep = 1, kinc = 1;
     const int nprops = static_cast<int>(props.size()), nstatv = static_cast<int>(statev.size());
-    const double six[6] = {}, time[2] = {}, temp = 0, predef = 0, celent = 1;
+    const double six[6] = {}, time[2] = {}, temp = 0, celent = 1;
     const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
     const bool longer = is_hybrid() && ntens >= 0 && ntens <= 6;  // STRESS is, by three entries
     double given[9] = {stress[0], stress[1], stress[2], stress[3], stress[4], stress[5]};
     double* extra = given + (longer ? ntens : 6);
     if (longer) extra[0] = J_hat, extra[1] = K, extra[2] = dK_dJ;
     umat(longer ? given : stress.data(), statev.data(), ddsdde.data(), &sse, &spd, &scd, &rpl, ddsddt.data(),
-         drplde.data(), &drpldt, six, six, time, &dtime, &temp, &temp, &predef, &predef, nullptr, &n_direct,
+         drplde.data(), &drpldt, six, six, time, &dtime, &temp, &temp, &predef, &dpred, nullptr, &n_direct,
          &n_shear, &ntens, &nstatv, props.data(), &nprops, nullptr, one.data(), &pnewdt, &celent, one.data(),
          F.data(), nullptr, nullptr, nullptr, nullptr, &kstep, &kinc);
     if (longer) {
