@@ -16,7 +16,7 @@ from eq4 import exact, stretch  # noqa: E402
 
 CASE = """! The paper's cube test, written by ./run cube
 &material
-  props = {c1!r}, {c2!r}, {tau!r}, {gamma!r}, {G_max!r}, {lambda_crit!r}, 1.0, 0.0, 0.0   ! fibre along x
+  props = {c1!r}, {c2!r}, {tau!r}, {gamma!r}, {G_max!r}, {lambda_crit!r}, 1.0, 0.0, 0.0{law}   ! fibre along x
 /
 &time
   duration = {duration!r}
@@ -77,11 +77,20 @@ def arguments():
     add("--gamma", 2.0, "shape exponent [-]")
     add("--G-max", 1.1, "largest sarcomere number [-]", dest="G_max")
     add("--lambda-crit", 1.01, "elastic stretch above which sarcomeres are added [-]", dest="lambda_crit")
+    add("--law", 0, "elastic law (docs/laws.md): 0 neo-Hookean, 1 Roehrle, 2 Blemker, 3 Ehret", type=int, choices=range(4))
+    add("--activation", 0.0, "of laws 1 to 3 [-]", type=files.number(0))
     add("--out", pathlib.Path("out/cube"), "folder of the results", type=folder)
     p.add_argument("--driver", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
     a = p.parse_args()
     if a.ramp > a.duration:
         p.error(f"--ramp = {a.ramp}: must be at most --duration = {a.duration}")
+    for name in ("c1", "c2") if a.law else ("activation",):
+        if name in getattr(a, "given", ()):
+            p.error(f"--{name}: is not of --law {a.law}")
+    if a.activation > 1:
+        p.error(f"--activation = {a.activation}: must be from 0 to 1")
+    if a.law:
+        a.c1 = a.c2 = 0.0
     if not a.duration / MOST_INCREMENTS <= a.step <= a.duration:
         p.error(f"--step = {a.step}: must be between --duration/{MOST_INCREMENTS} and --duration = {a.duration}")
     return a
@@ -97,7 +106,8 @@ def run(a):
         times, values = f"0.0, {a.ramp!r}", f"0.0, {a.stretch - 1!r}"
     else:
         times, values = "0.0", f"{a.stretch - 1!r}"
-    files.write_text(case, CASE.format(times=times, values=values, print_every=a.duration / 14, **vars(a)))
+    law = f", 9*0.0, {a.law}.0, {a.activation!r}" if a.law else ""
+    files.write_text(case, CASE.format(**{**vars(a), "law": law}, times=times, values=values, print_every=a.duration / 14))
     status = subprocess.run([a.driver, case, "--out", a.out]).returncode
     if status < 0:
         raise files.FileError(f"{a.driver}: {files.ended(status)}")

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# ./run pictures and ./run study-pictures: the pictures of the pages, made anew from runs.
+# ./run pictures, study-pictures and law-pictures: the pictures of the pages, made anew from runs.
 #
-#   pictures.sh readme | studies       from the top of the tree
+#   pictures.sh readme | studies | laws PYTHON PROGRAM       from the top of the tree
 set -euo pipefail
 mkdir -p docs/images
 case "$1" in
@@ -25,5 +25,8 @@ case "$1" in
       cp "out/$picture.png" "docs/images/studies_${picture##*/}.png"
     done
     ;;
-  *) echo "usage: pictures.sh readme | studies" >&2; exit 2 ;;
+  laws)
+    "$2" docs/site/law_curves.py "$3" docs/images
+    ;;
+  *) echo "usage: pictures.sh readme | studies | laws PYTHON PROGRAM" >&2; exit 2 ;;
 esac

@@ -371,7 +371,13 @@ INSTANTIATE_TEST_SUITE_P(
                    c.props.resize(18);
                    c.props.push_back(7);
                  },
-                 {"PROPS(19) = 7", "18 constants", "must be 0"}},
+                 {"PROPS(19) = 7", "elastic law, must be 0"}},
+        BadInput{"beyond_law_0",
+                 [](Call& c) {
+                   c.props.resize(19);
+                   c.props.push_back(7);
+                 },
+                 {"PROPS(20) = 7", "18 constants", "must be 0"}},
         BadInput{"hybrid",
                  [](Call& c) {
                    c.props.resize(17);

@@ -201,6 +201,29 @@ class Newton(unittest.TestCase):
             self.assertAlmostEqual(a["s11"], b["s11"], delta=1e-10)
 
 
+    def test_quadratic_with_every_elastic_law(self):
+        given = "1.0, 0.1,   10.0, 10.0, 100.0"
+        moderate = {1: "10.0, 10.0, 100.0", 2: "10.0, 10.0, 100.0", 3: "19.69, 1.19, 0.5, 20.0"}  # not as published: kappa
+        for law, activation, most in ((1, 0, 300), (1, 0.1, 300), (2, 0, 1000), (2, 0.1, 1000), (3, 0, 5000), (3, 0.02, 5e4)):
+            run = Run(CASES / "active_oblique.nml", edit={given: f"{law}.0, {activation},   {moderate[law]}"})
+            self.assertEqual(run.status, 0, run.errors)
+            self.assertGreater(run.rows()[-1]["G"], 1.03)  # it grows
+            increments = {}
+            for row in run.rows("newton.log"):
+                if row["iteration"] > 0:
+                    increments.setdefault(row["increment"], []).append(row["residual"])
+            steps = [(a, b) for r in increments.values() for a, b in zip(r, r[1:]) if a < 1e-3 and b > 1e-13]
+            print(f"law {law}, activation {activation}: residual <= {max(b / a ** 2 for a, b in steps):.0f} (last residual)^2")
+            self.assertGreaterEqual(len(steps), 8)
+            for a, b in steps:
+                self.assertLess(b, most * a * a)
+
+    def test_an_elastic_law_that_is_not_allowed(self):
+        run = Run(CASES / "active_oblique.nml", edit={"1.0, 0.1,": "1.0, 1.1,"})
+        self.assertEqual(run.status, 1)
+        self.assertIn("PROPS(20) = 1.1: activation, must be >= 0 and <= 1", run.screen + run.errors)
+
+
 class OtherUmats(unittest.TestCase):
     PULL = """
 &material props = 1000.0, 0.3, {dtime}  nstatv = 0 /

@@ -43,6 +43,36 @@ inline bool props_are_faulty(const Numbers& p, std::ptrdiff_t known = 17) {
                      [](double x) { return x != 0; });
 }
 
+/// The same where PROPS(19) asks for an elastic law; c1 and c2 must be 0 then. field: PREDEF + DPRED.
+inline bool law_is_faulty(Numbers p, double field) {
+  const double law = p[18];
+  if ((law != 1 && law != 2 && law != 3) || p[0] != 0 || p[1] != 0) return true;
+  const double a = p.size() < 20 ? 0 : p[19] == -1 ? field : p[19];
+  if (!(a >= -1e-9 && a <= 1 + 1e-9)) return true;
+  const std::size_t known = law == 2 ? 31 : 28;
+  if (std::any_of(
+          p.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(known), p.end() - p.begin()),
+          p.end(), [](double x) { return x != 0; }))
+    return true;
+  const Numbers defaults = law == 1   ? Numbers{10, 10, 1000, 300, 300, 1.4, 0.05, 6.6}
+                           : law == 2 ? Numbers{0.5, 0.5, 1000, 300, 1.4, 0.05, 6.6, 1.4, 0, 2700, 46.4}
+                                      : Numbers{19.69, 1.19, 0.1599, 100, 0.7388, 73.52, 0.682, 1.192};
+  Numbers q = defaults;
+  for (std::size_t i = 20; i < p.size() && i < known; ++i) q[i - 20] = p[i];
+  if (!all_finite(q)) return true;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const bool may_be_zero = (law == 1 && (i == 1 || i == 3 || i == 4 || i == 6)) ||
+                             (law == 2 && (i == 3 || i == 5 || i == 8 || i == 9)) ||
+                             (law == 3 && (i == 4 || i == 5));
+    if (q[i] < 0 || (q[i] == 0 && !may_be_zero)) return true;
+  }
+  if (law == 2 && (!(q[7] > 1) || (q[8] != 0 && q[8] != 1))) return true;
+  if (law == 3 && (q[4] > 1 || !(q[7] > q[6]))) return true;
+  p.resize(18);
+  p[0] = p[1] = 1;
+  return props_are_faulty(p, 18);
+}
+
 /// Whether a state of n entries has room for what a step begins with.
 inline bool has_no_room(const Numbers& p, std::size_t n) { return n < (is_second_order(p) ? 3 : 1); }
 

@@ -46,8 +46,11 @@ bool is_faulty(const host::Call& c) {
   if (!solid && !plane) return true;
   const double hybrid = c.props.size() > 17 ? c.props[17] : 0;
   if (hybrid != 0 && (hybrid != 1 || c.ntens == 3)) return true;
-  return rules::props_are_faulty(c.props, 18) || rules::has_no_room(c.props, c.statev.size()) ||
-         rules::state_is_faulty(c.props, c.statev) || rules::has_no_fibre(c.props, c.statev);
+  const bool has_law = c.props.size() > 18 && c.props[18] != 0;
+  if (has_law ? rules::law_is_faulty(c.props, c.predef + c.dpred) : rules::props_are_faulty(c.props, 18))
+    return true;
+  return rules::has_no_room(c.props, c.statev.size()) || rules::state_is_faulty(c.props, c.statev) ||
+         rules::has_no_fibre(c.props, c.statev);
 }
 
 }  // namespace
@@ -69,6 +72,16 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (bytes.byte() >= 250) {
     c.ndi = static_cast<int>(bytes.byte() % 6) - 1;
     c.nshr = static_cast<int>(bytes.byte() % 6) - 1;
+  }
+
+  const unsigned law = bytes.byte();
+  if (law % 3 == 1) {  // an elastic law, with as many of its entries as the bytes say
+    c.props.resize(19 + law / 3 % 14);
+    c.props[0] = c.props[1] = 0;
+    c.props[18] = 1 + bytes.byte() % 4 % 3;
+    for (std::size_t i = 19; i < c.props.size(); ++i) c.props[i] = i == 28 && law & 1 ? 0 : bytes.number();
+    if (c.props.size() > 19 && law & 64) c.props[19] = -1;
+    c.predef = bytes.number(), c.dpred = bytes.number();
   }
 
   const host::Call before = c;

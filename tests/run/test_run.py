@@ -17,7 +17,7 @@ import unittest
 ROOT = pathlib.Path(sys.argv.pop(1)).resolve()
 REFUSED = ['a"b', "a$b", "a#b", "a;b", "a:b", "a,b", "a|b", "a<b", "a>b", "a`b", "a\\b", "a\nb", "a\tb"]
 TAKEN = ["a b", "ä", "a'b", "a&b", "a(b)", "a%b", "a=b", "a*b", "a[b]", "a!b", "-a", "a+b", "{a}^~@b@", " a "]
-JOBS_WITHOUT_OPTIONS = ["validate", "study-pictures", "ccx", "package", "python", "docs", "pictures", "tables", "coverage",
+JOBS_WITHOUT_OPTIONS = ["validate", "study-pictures", "law-pictures", "ccx", "package", "python", "docs", "pictures", "tables", "coverage",
                         "verify", "tidy", "format", "help"]
 
 STUBS = {

@@ -28,11 +28,20 @@ MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate) {
   // Quadratic convergence: after a step of this size rounding is left, and derivatives lag one step behind.
   const V negligible = sqrt(last_place<V>());
   int steps_left = std::is_same<T, V>::value ? 1 : 2;
-  V low(0), high(0), last_size(1);  // high = 0: not known yet
+  V low(0), high(0), last_size(1), last_good(0);  // 0: not known yet
+  UpdateStatus failure = UpdateStatus::not_converged;
   for (int iteration = 0; iteration < 200; ++iteration) {
     T stress, slope;
     const UpdateStatus status = evaluate(x, stress, slope);
+    if (status == UpdateStatus::not_finite && last_good > 0 && steps_left > 0) {
+      // A stiff law left the range of the scalar on the way: back towards where there was a result.
+      failure = status;
+      x = T(sqrt(value(x)) * sqrt(last_good));
+      last_size = V(1);
+      continue;
+    }
     if (status != UpdateStatus::ok || steps_left == 0) return status;
+    last_good = value(x);
     (value(stress) > 0 ? high : low) = value(x);
     const T step = -stress / slope;
     const V size = value(step) < 0 ? -value(step) : value(step);
@@ -53,7 +62,7 @@ MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate) {
       x = T(middle);
     }
   }
-  return UpdateStatus::not_converged;
+  return failure;
 }
 
 /// Entry row, column of the spatial modulus.
