@@ -9,13 +9,24 @@
 ///   set, NAME, VALUE                 a parameter: c1 c2 tau gamma G_max lambda_crit, and for removal
 ///                                    tau_rev gamma_rev G_min lambda_crit_rev [kPa, days], all four; else the
 ///                                    paper's Table 1
-///   fit, NAME, LOWER, UPPER          a parameter to be found between bounds: tau gamma G_max lambda_crit
+///   fit, NAME, LOWER, UPPER          a parameter to be found between bounds: those of growth and removal,
+///   and
+///                                    `amplitude`, by which every stretch - 1 of the history is multiplied
 ///   rest_length, MM                  length at stretch 1, for `distract` and for schedules
 ///   step, STRETCH                    history: to this stretch at once
 ///   ramp, STRETCH, DAYS              to this stretch at a constant rate
 ///   hold, DAYS                       as it is
 ///   distract, MM_PER_DAY, DAYS       a constant rate of lengthening
-///   measure, DAY, QUANTITY, VALUE, SD   lambda_e (relative sarcomere length) or G (relative number)
+///   cycle, STRETCH, HOURS, EVERY, DAYS   for so many days, at the beginning of every EVERY days, so many
+///   HOURS
+///                                    at this stretch; else as it is
+///   tendon, LENGTH, STIFFNESS, CREEP a tendon in series: its length at rest [that of the fibres], its
+///   stiffness
+///                                    [kPa] and its viscosity [kPa days; 0: no creep], both over logarithmic
+///                                    stretch, per reference area of the fibres. The stretch of the history
+///                                    is then 1 + (lengthening of both)/ (length of the fibres at rest)
+///   measure, DAY, QUANTITY, VALUE, SD   lambda_e (relative sarcomere length), G (relative number), or tendon
+///                                    (relative length of the tendon)
 ///
 /// The history starts with stretch 1 on day 0 and ends with its last row; the last stretch stays. The same
 /// row twice is an error, but a row may replace one of a file that was included before it.
@@ -40,6 +51,7 @@
 
 #include "../../abi/faults.hpp"
 #include "files.hpp"
+#include "muscle_tendon.hpp"
 #include "rows.hpp"
 
 namespace study {
@@ -56,6 +68,8 @@ constexpr double least_days = 1e-6, most_days = 1e6;  // of a row, and of a hist
 constexpr double least_stretch = 0.01, most_stretch = 100;
 constexpr double least_length = 1e-3, most_length = 1e6;      // [mm]
 constexpr double least_measured = 1e-6, most_measured = 1e3;  // value and standard deviation
+constexpr double most_amplitude = 100;
+constexpr double most_stiffness = 1e9;  // [kPa, kPa days]
 constexpr std::size_t most_rows = 100000, most_includes = 100, most_steps = 1000000;
 
 // ---- What a study is
@@ -65,22 +79,34 @@ struct Knot {
   double time, stretch;
 };
 
+enum class Quantity { lambda_e, G, tendon };
+inline const char* text(Quantity q) {
+  return q == Quantity::G ? "G" : q == Quantity::tendon ? "tendon" : "lambda_e";
+}
+
 struct Measurement {
   double time;  ///< [day]
-  bool of_G;    ///< of G, else of lambda_e
+  Quantity of;
   double value, sd;
 };
 
-/// The parameters that can be fitted: entries first_growth + i of abi/properties.hpp, i < n_growth.
-constexpr int first_growth = 2, n_growth = 4;
+/// What can be fitted: entries of abi/properties.hpp, and last the amplitude of the history.
+constexpr std::size_t n_fit = 9, amplitude = n_fit - 1;
+inline int entry_of(std::size_t index) {
+  constexpr int first_growth = 2, n_growth = 4;
+  const int i = static_cast<int>(index);
+  return i < n_growth ? first_growth + i : abi::tau_rev_entry + i - n_growth;
+}
 
 /// A parameter to be fitted, and between what.
 struct Bounds {
-  std::size_t index;  ///< < n_growth: tau, gamma, G_max, lambda_crit
+  std::size_t index;  ///< < n_fit
   double lower, upper;
   std::string place;  ///< where they are given
 
-  const char* name() const { return abi::property(first_growth + static_cast<int>(index)).symbol; }
+  const char* name() const {
+    return index == amplitude ? "amplitude" : abi::property(entry_of(index)).symbol;
+  }
   /// Wide bounds are divided by factors.
   bool wide() const { return lower > 0 && upper > 10 * lower; }
   /// From 0 at the lower bound to 1 at the upper one, and back.
@@ -100,11 +126,14 @@ struct Study {
   double rest_length = 0;  ///< [mm]; 0: not known
   std::vector<Knot> knots{{0, 1}};
   std::vector<Measurement> measurements;
+  Tendon tendon;
+  std::string tendon_place;  ///< where it is given
 
-  /// Value of a parameter to be fitted, where its fit starts.
-  double start(const Bounds& b) const {
+  /// What can be fitted, where its fit starts: at what is set, the amplitude at 1.
+  std::array<double, n_fit> start() const {
     const auto& g = muscle.growth;
-    return std::array<double, n_growth>{g.tau, g.gamma, g.G_max, g.lambda_crit}[b.index];
+    const auto& r = muscle.removal;
+    return {g.tau, g.gamma, g.G_max, g.lambda_crit, r.tau_rev, r.gamma_rev, r.G_min, r.lambda_crit_rev, 1};
   }
 };
 
@@ -144,19 +173,43 @@ inline void check_parameters(const Study& s) {
       throw Error(s.given.at("tau_rev") + ": tau_rev = " + text_of(tau_rev) + ": expected " + name +
                   " to be set too, as all of removal's parameters");
   }
+  const Bounds *crit = nullptr, *crit_rev = nullptr;
   for (const Bounds& b : s.fitted) {
+    if (b.name() == std::string("lambda_crit")) crit = &b;
+    if (b.name() == std::string("lambda_crit_rev")) crit_rev = &b;
+    if (b.index == amplitude) {
+      if (!(b.lower >= 0) || b.upper > most_amplitude)
+        throw Error(b.place + ": expected bounds of the amplitude from 0 to " + text_of(most_amplitude));
+      for (const Knot& k : s.knots) {
+        if (!(1 + b.upper * (k.stretch - 1) >= least_stretch))
+          throw Error(b.place + ": with amplitude = " + text_of(b.upper) + " the stretch " +
+                      text_of(k.stretch) + " becomes " + text_of(1 + b.upper * (k.stretch - 1)) +
+                      ": expected at least " + text_of(least_stretch));
+      }
+      if (!(b.lower <= 1 && 1 <= b.upper))
+        throw Error(b.place + ": expected bounds of the amplitude that include 1, where its fit starts");
+      continue;
+    }
+    if (entry_of(b.index) >= abi::tau_rev_entry && !(tau_rev > 0))
+      throw Error(b.place + ": expected tau_rev > 0 to be set, else nothing is removed and there is no " +
+                  b.name() + " to be found");
+    if (entry_of(b.index) == abi::tau_rev_entry && !(b.lower > 0))
+      throw Error(b.place + ": expected a lower bound of tau_rev > 0: at 0 nothing is removed");
     for (double x : {b.lower, b.upper}) {
       myogrowth::FibreGrowth<> muscle = s.muscle;
       *abi::parameter(muscle, find_parameter(b.name())) = x;
       check(muscle, b.name(), b.place);
       if (tau_rev > 0) check(muscle, "lambda_crit_rev", b.place + ": with " + b.name() + " = " + text_of(x));
     }
-    const double start = s.start(b);
+    const double start = s.start()[b.index];
     if (s.given.count(b.name()) && !(b.lower <= start && start <= b.upper))
       throw Error(s.given.at(b.name()) + ": " + b.name() + " = " + text_of(start) +
                   ": expected a start within the bounds of its fit, " + text_of(b.lower) + " to " +
                   text_of(b.upper));
   }
+  if (crit && crit_rev && crit_rev->upper > crit->lower)
+    throw Error(crit_rev->place + ": expected an upper bound <= the lower bound of lambda_crit, " +
+                text_of(crit->lower));
 }
 
 // ---- Reading
@@ -261,11 +314,16 @@ class Reader {
       once(rows, "set, " + name);
       study_.given[name] = rows.place(2);
     } else if (key == "fit") {
-      const int index = find_parameter(rows.text(1, "the name of a parameter")) - first_growth;
-      if (index < 0 || index >= n_growth) rows.unexpected(1, "tau, gamma, G_max or lambda_crit");
+      const std::string name = rows.text(1, "the name of a parameter");
+      std::size_t index = 0;
+      std::string names;
+      for (std::size_t i = 0; i < n_fit; ++i)
+        names += (i == 0 ? "" : i == amplitude ? " or " : ", ") + std::string(Bounds{i, 0, 1, ""}.name());
+      while (index < n_fit && name != Bounds{index, 0, 1, ""}.name()) ++index;
+      if (index == n_fit) rows.unexpected(1, names);
       const double lower = rows.number(2, "a lower bound"), upper = rows.number(3, "an upper bound", lower);
       rows.ends_after(4);
-      const Bounds bounds{static_cast<std::size_t>(index), lower, upper, rows.place(0)};
+      const Bounds bounds{index, lower, upper, rows.place(0)};
       once(rows, std::string("fit, ") + bounds.name());
       auto same = [&](const Bounds& b) { return b.index == bounds.index; };
       study_.fitted.erase(std::remove_if(study_.fitted.begin(), study_.fitted.end(), same),
@@ -289,12 +347,44 @@ class Reader {
       const double rate = rows.number(1, "a rate in mm/day"), time = days(2);
       rows.ends_after(3);
       add(rows, 1, study_.knots.back().stretch + rate * time / study_.rest_length, time);
+    } else if (key == "cycle") {
+      const double there = stretch(), hours = rows.number(2, "a time in hours", 0);
+      const double every = days(3), total = within(4, "a time in days", every, most_days);
+      if (!(hours < 24 * every))
+        rows.fail(2, "expected less than EVERY, " + text_of(24 * every) + " hours, found " + text_of(hours));
+      rows.ends_after(5);
+      const double cycles = std::round(total / every), rest = study_.knots.back().stretch;
+      if (std::abs(cycles * every - total) > 1e-9 * total)
+        rows.fail(4, "expected a multiple of EVERY, " + text_of(every) + " days, found " + text_of(total));
+      if (cycles > static_cast<double>(most_steps) / 4)
+        rows.fail(4,
+                  "expected at most " + std::to_string(most_steps / 4) + " cycles, found " + text_of(cycles));
+      for (double i = 0; i < cycles; ++i) {
+        add(rows, 1, there, 0);
+        add(rows, 1, there, hours / 24);
+        add(rows, 1, rest, 0);
+        add(rows, 1, rest, every - hours / 24);
+      }
+    } else if (key == "tendon") {
+      study_.tendon.length = within(1, "a length at rest, that of the fibres being 1", 1e-6, 1e6);
+      study_.tendon.stiffness = within(2, "a stiffness in kPa", 1e-6, most_stiffness);
+      study_.tendon.viscosity = rows.number(3, "a viscosity in kPa days", 0, most_stiffness);
+      study_.tendon_place = rows.place(0);
+      rows.ends_after(4);
+      once(rows, "the tendon");
     } else if (key == "measure") {
       Measurement m;
       m.time = rows.number(1, "a time in days", 0, most_days);
-      const std::string quantity = rows.text(2, "lambda_e or G");
-      if (quantity != "lambda_e" && quantity != "G") rows.unexpected(2, "lambda_e or G");
-      m.of_G = quantity == "G";
+      const std::string quantity = rows.text(2, "lambda_e, G or tendon");
+      if (quantity == "lambda_e") {
+        m.of = Quantity::lambda_e;
+      } else if (quantity == "G") {
+        m.of = Quantity::G;
+      } else if (quantity == "tendon") {
+        m.of = Quantity::tendon;
+      } else {
+        rows.unexpected(2, "lambda_e, G or tendon");
+      }
       m.value = within(3, "a value", least_measured, most_measured);
       m.sd = within(4, "a standard deviation", least_measured, most_measured);
       rows.ends_after(5);
@@ -302,7 +392,8 @@ class Reader {
            false);
       study_.measurements.push_back(m);
     } else {
-      rows.unexpected(0, "title, include, set, fit, rest_length, step, ramp, hold, distract or measure");
+      rows.unexpected(
+          0, "title, include, set, fit, rest_length, step, ramp, hold, distract, cycle, tendon or measure");
     }
   }
 
@@ -352,18 +443,24 @@ inline std::vector<Knot> cut(std::vector<Knot> knots, std::vector<double> stops,
 /// G at the points of a history that has been cut into steps. Backward Euler in whole and in half steps, and
 /// from the two what vanishing steps would give: of second order, smooth in the parameters, and with
 /// derivatives with respect to them if T carries any.
+/// amplitude: what every stretch - 1 is multiplied by.
+template <class T>
+T scaled(double stretch, const T& amplitude) {
+  return T(1.0) + amplitude * (stretch - 1);
+}
 template <class T>
 std::vector<T> grow(const myogrowth::GrowthRate<T>& growth, const myogrowth::RemovalRate<T>& removal,
-                    const std::vector<Knot>& points) {
+                    const T& amplitude, const std::vector<Knot>& points) {
   std::vector<T> G;
   T whole(1.0), halves(1.0);
   G.push_back(whole);
   for (std::size_t i = 1; i < points.size(); ++i) {
     const double dt = points[i].time - points[i - 1].time;
-    const double middle = (points[i].stretch + points[i - 1].stretch) / 2;
-    whole = solve_growth(growth, removal, whole, T(points[i].stretch), T(dt)).G;
-    halves = solve_growth(growth, removal, halves, T(middle), T(dt / 2)).G;
-    halves = solve_growth(growth, removal, halves, T(points[i].stretch), T(dt / 2)).G;
+    const T middle = scaled((points[i].stretch + points[i - 1].stretch) / 2, amplitude);
+    const T end = scaled(points[i].stretch, amplitude);
+    whole = solve_growth(growth, removal, whole, end, T(dt)).G;
+    halves = solve_growth(growth, removal, halves, middle, T(dt / 2)).G;
+    halves = solve_growth(growth, removal, halves, end, T(dt / 2)).G;
     G.push_back(2.0 * halves - whole);
   }
   return G;
@@ -371,30 +468,28 @@ std::vector<T> grow(const myogrowth::GrowthRate<T>& growth, const myogrowth::Rem
 
 /// A muscle at a point of time.
 struct Point {
-  double time, stretch, G, lambda_e;
+  double time, stretch, G, lambda_e;  ///< of the fibres
   double force;    ///< along the fibre, per reference area: first Piola-Kirchhoff stress [stress]
   double lateral;  ///< stretch across the fibre
+  double tendon;   ///< relative length of the tendon; 1 without one
 };
 
-/// Pulls a strip of muscle with free sides through a history that has been cut into steps. The exact flow at
-/// the stretch of the middle of every step: exact where the stretch is held.
-inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const std::vector<Knot>& points,
-                               const std::string& name) {
+/// Pulls a strip of muscle with free sides, or one with a tendon in series, through a history that has been
+/// cut into steps. The exact flow at the stretch of the middle of every step: exact where the stretch is
+/// held.
+inline std::vector<Point> pull(myogrowth::FibreGrowth<> muscle, const Tendon& tendon,
+                               const std::vector<Knot>& points, const std::string& name) {
   muscle.integration = myogrowth::TimeIntegration::midpoint_flow;
   std::vector<Point> result;
-  double G = 1, lateral = 1;
+  MuscleTendon now;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Knot& last = points[i > 0 ? i - 1 : 0];
-    myogrowth::PointUpdate<double> u;
-    double slope;
-    const auto status = uniaxial_stress(muscle, points[i].stretch, G, last.stretch,
-                                        points[i].time - last.time, lateral, u, slope);
+    const double dt = i > 0 ? points[i].time - points[i - 1].time : 0;
+    const auto status = step_to_length(muscle, tendon, points[i].stretch, dt, now);
     if (status != myogrowth::UpdateStatus::ok)
       throw Error(name + ": no result at stretch " + text_of(points[i].stretch) + " on day " +
                   text_of(points[i].time) + ": " + abi::text(status));
-    G = u.G;
-    result.push_back(
-        {points[i].time, points[i].stretch, G, u.lambda_e, u.tau[0] / points[i].stretch, lateral});
+    result.push_back({points[i].time, now.stretch, now.G, now.stretch / now.G, now.force, now.lateral,
+                      now.tendon(tendon)});
   }
   return result;
 }

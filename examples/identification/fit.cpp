@@ -20,13 +20,14 @@ namespace {
 
 using study::format;
 using study::json;
-using study::n_growth;
+using study::n_fit;
 
-const char* const help = R"(usage: ./run fit FILE.csv [OPTIONS]
+const char* const help = R"(usage: ./run fit FILE.csv [FILE.csv ...] [OPTIONS]
 
 Fits parameters of the growth law to measurements under a given history of stretch. FILE holds both, and which
 parameters to fit between which bounds (rows: examples/common/study.hpp; examples/identification has some).
-Without a `fit` row nothing is fitted: the prediction is compared with the measurements.
+Without a `fit` row nothing is fitted: the prediction is compared with the measurements. Several files are fitted
+together, each with its own history; the parameters, and what is to be fitted, are those of the first.
 
   --set NAME=VALUE   a parameter (start of its fit): c1 c2 tau gamma G_max lambda_crit tau_rev gamma_rev G_min lambda_crit_rev
   --robust SD        residuals beyond SD standard deviations count linearly (Huber); default: squares only
@@ -41,8 +42,8 @@ constexpr double chi2_95 = 3.841458820694124;  // of one degree of freedom
 constexpr double z_95 = 1.959963984540054;
 constexpr long most_seed = 4294967295;
 
-/// tau, gamma, G_max, lambda_crit
-using Values = std::array<double, n_growth>;
+/// What can be fitted, in the order of study.hpp.
+using Values = std::array<double, n_fit>;
 
 /// The history for the parameters that were asked for last: all measurements ask for the same, in turn.
 template <class T>
@@ -51,34 +52,73 @@ struct Curve {
   std::vector<T> G;
 };
 
+/// What is measured, and at which of all points.
+struct Measured {
+  study::Measurement what;
+  std::size_t at;
+  double value;  // measured, or made up
+};
+
+/// The law for some values: in numbers of the type T.
+template <class T>
+struct Law {
+  myogrowth::GrowthRate<T> growth;
+  myogrowth::RemovalRate<T> removal;
+  T amplitude;
+
+  template <class Get>
+  explicit Law(const Get& v)
+      : growth{v(0), v(1), v(2), v(3)}, removal{v(4), v(5), v(6), v(7)}, amplitude(v(study::amplitude)) {}
+};
+
 /// The data of a fit, without its parameters.
 struct Question {
-  const study::Study& data;
-  std::vector<study::Knot> points;  // the history, cut into steps that end at the measurements too
-  std::vector<std::size_t> at;      // of the measurements, in points
-  std::vector<double> measured;     // one of data.measurements or made up
-  double robust;                    // [sd]; 0: squares
+  const std::vector<study::Study>& studies;      // the first has the parameters, and what is fitted
+  std::vector<std::vector<study::Knot>> points;  // the histories, cut into steps that end at measurements too
+  std::vector<Measured> measured;                // `at` counts through all histories
+  double robust;                                 // [sd]; 0: squares
   mutable Curve<double> numbers{};
-  mutable Curve<ceres::Jet<double, n_growth>> jets{};
+  mutable Curve<ceres::Jet<double, n_fit>> jets{};
+
+  const study::Study& first() const { return studies[0]; }
+  const std::vector<study::Bounds>& fitted() const { return studies[0].fitted; }
 
   Curve<double>& curve(double) const { return numbers; }
-  Curve<ceres::Jet<double, n_growth>>& curve(const ceres::Jet<double, n_growth>&) const { return jets; }
+  Curve<ceres::Jet<double, n_fit>>& curve(const ceres::Jet<double, n_fit>&) const { return jets; }
 
-  /// G at measurement i; in T's derivatives too, which Ceres always asks for with respect to all four.
+  /// The history of a point, and the point there.
+  std::size_t part_of(std::size_t at, std::size_t* within = nullptr) const {
+    std::size_t part = 0;
+    while (at >= points[part].size()) at -= points[part++].size();
+    if (within) *within = at;
+    return part;
+  }
+  const study::Knot& point(std::size_t at) const {
+    std::size_t within;
+    const std::size_t part = part_of(at, &within);
+    return points[part][within];
+  }
+
+  /// What the law gives for measurement i; in T's derivatives too, which Ceres always asks for with respect
+  /// to all values.
   template <class T>
-  T G(const myogrowth::GrowthRate<T>& growth, std::size_t i) const {
+  T computed(const T* x, std::size_t i) const {
     using myogrowth::value;
-    const Values asked{value(growth.tau), value(growth.gamma), value(growth.G_max),
-                       value(growth.lambda_crit)};
-    Curve<T>& known = curve(growth.tau);
-    if (known.at != asked) {
-      const auto& given = data.muscle.removal;
-      const myogrowth::RemovalRate<T> removal{T(given.tau_rev), T(given.gamma_rev), T(given.G_min),
-                                              T(given.lambda_crit_rev)};
-      known.G = study::grow(growth, removal, points);
+    Values asked;
+    for (std::size_t p = 0; p < n_fit; ++p) asked[p] = value(x[p]);
+    Curve<T>& known = curve(x[0]);
+    const Law<T> law([&](std::size_t p) { return x[p]; });
+    if (known.at != asked || known.G.empty()) {
+      known.G.clear();
+      for (const auto& part : points) {
+        const auto G = study::grow(law.growth, law.removal, law.amplitude, part);
+        known.G.insert(known.G.end(), G.begin(), G.end());
+      }
       known.at = asked;
     }
-    return known.G[at[i]];
+    const Measured& m = measured[i];
+    const T G = known.G[m.at];
+    return m.what.of == study::Quantity::G ? G : T(study::scaled(point(m.at).stretch, law.amplitude) / G);
   }
 };
 
@@ -88,16 +128,16 @@ struct Residual {
   std::size_t i;
 
   template <class T>
-  bool operator()(const T* tau, const T* gamma, const T* G_max, const T* lambda_crit, T* residual) const {
-    const study::Measurement& m = question.data.measurements[i];
-    const T G = question.G(myogrowth::GrowthRate<T>{*tau, *gamma, *G_max, *lambda_crit}, i);
-    const T computed = m.of_G ? G : T(question.points[question.at[i]].stretch / G);
-    *residual = (computed - question.measured[i]) / m.sd;
+  bool operator()(const T* x0, const T* x1, const T* x2, const T* x3, const T* x4, const T* x5, const T* x6,
+                  const T* x7, const T* x8, T* residual) const {
+    const std::array<T, n_fit> x{*x0, *x1, *x2, *x3, *x4, *x5, *x6, *x7, *x8};
+    const Measured& m = question.measured[i];
+    *residual = (question.computed(x.data(), i) - m.value) / m.what.sd;
     return true;
   }
 };
 
-using Free = std::array<bool, n_growth>;
+using Free = std::array<bool, n_fit>;
 
 /// Ceres's problem for some values: those not free are held.
 struct Problem {
@@ -106,14 +146,17 @@ struct Problem {
 
   Problem(const Question& question, const Values& start, const Free& free) : values(start) {
     for (std::size_t i = 0; i < question.measured.size(); ++i) {
-      auto* cost = new ceres::AutoDiffCostFunction<Residual, 1, 1, 1, 1, 1>(new Residual{question, i});
+      using Cost = ceres::AutoDiffCostFunction<Residual, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1>;
+      auto* cost = new Cost(new Residual{question, i});
       ceres::LossFunction* loss = question.robust > 0 ? new ceres::HuberLoss(question.robust) : nullptr;
-      ceres.AddResidualBlock(cost, loss, &values[0], &values[1], &values[2], &values[3]);
+      std::vector<double*> blocks;
+      for (double& x : values) blocks.push_back(&x);
+      ceres.AddResidualBlock(cost, loss, blocks);
     }
-    for (std::size_t p = 0; p < n_growth; ++p) {
+    for (std::size_t p = 0; p < n_fit; ++p) {
       if (!free[p]) ceres.SetParameterBlockConstant(&values[p]);
     }
-    for (const study::Bounds& b : question.data.fitted) {
+    for (const study::Bounds& b : question.fitted()) {
       double* x = &values[b.index];
       *x = std::min(std::max(*x, b.lower), b.upper);
       if (ceres.IsParameterBlockConstant(x)) continue;
@@ -130,7 +173,7 @@ struct Fit {
 
 std::string text_of(const Values& values) {
   std::string text;
-  for (std::size_t i = 0; i < n_growth; ++i)
+  for (std::size_t i = 0; i < n_fit; ++i)
     text += (i > 0 ? ", " : "") + format("%s = %.10g", study::Bounds{i, 0, 1, ""}.name(), values[i]);
   return text;
 }
@@ -163,10 +206,10 @@ std::vector<Fit> fits_from_starts(const Question& question, const Values& first,
                                   long starts, std::mt19937_64& random, bool progress) {
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Fit> fits{minimise(question, first, free)};
-  for (long s = 1; s < starts && !question.data.fitted.empty(); ++s) {
+  for (long s = 1; s < starts && !question.fitted().empty(); ++s) {
     if (progress) study::show_progress("\r  start %ld of %ld", s + 1, starts);
     Values start = first;
-    for (const study::Bounds& b : question.data.fitted) {
+    for (const study::Bounds& b : question.fitted()) {
       start[b.index] = b.at(unit(random));
     }
     fits.push_back(minimise(question, start, free));
@@ -177,10 +220,10 @@ std::vector<Fit> fits_from_starts(const Question& question, const Values& first,
 
 /// Derivatives of the residuals with respect to the fitted parameters, by Ceres from the Jets.
 Eigen::MatrixXd jacobian(const Question& question, const Values& values, const Free& free) {
-  if (question.data.fitted.empty()) return {};
+  if (question.fitted().empty()) return {};
   Problem problem(question, values, free);
   ceres::Problem::EvaluateOptions options;
-  for (const study::Bounds& b : question.data.fitted)
+  for (const study::Bounds& b : question.fitted())
     options.parameter_blocks.push_back(&problem.values[b.index]);
   ceres::CRSMatrix sparse;
   problem.ceres.Evaluate(options, nullptr, nullptr, nullptr, &sparse);
@@ -299,42 +342,49 @@ Profile profile(const Question& question, const Fit& best, const Free& free, con
   return result;
 }
 
-Question question_of(const study::Study& data, double robust) {
-  Question q{data, {}, {}, {}, robust, {}, {}};
-  std::vector<double> stops;
-  for (const auto& m : data.measurements) stops.push_back(m.time);
-  q.points = study::cut(data.knots, stops, 0.002, 0.06, data.name);
-  for (const auto& m : data.measurements) {
-    // The last point of that time: after a step, if there is one.
-    std::size_t i = q.points.size();
-    while (q.points[i - 1].time > m.time + 1e-9) --i;
-    q.at.push_back(i - 1);
-    q.measured.push_back(m.value);
+Question question_of(const std::vector<study::Study>& studies, double robust) {
+  Question q{studies, {}, {}, robust, {}, {}};
+  std::size_t begin = 0;
+  for (const study::Study& data : studies) {
+    std::vector<double> stops;
+    for (const auto& m : data.measurements) stops.push_back(m.time);
+    q.points.push_back(study::cut(data.knots, stops, 0.002, 0.06, data.name));
+    const auto& points = q.points.back();
+    for (const auto& m : data.measurements) {
+      // The last point of that time: after a step, if there is one.
+      std::size_t i = points.size();
+      while (points[i - 1].time > m.time + 1e-9) --i;
+      q.measured.push_back({m, begin + i - 1, m.value});
+    }
+    begin += points.size();
   }
   return q;
-}
-
-/// What the law gives for a measurement, in sd from 0.
-double computed(const Question& q, const Values& v, std::size_t i) {
-  double residual;
-  Residual{q, i}(&v[0], &v[1], &v[2], &v[3], &residual);
-  return q.measured[i] + residual * q.data.measurements[i].sd;
 }
 
 /// By how many sd the results change at most if every time step is halved.
 double error_of_steps(const Question& q, const Values& v) {
   Question halved = q;
   halved.numbers = {};
-  halved.points = {q.points[0]};
-  for (std::size_t i = 1; i < q.points.size(); ++i) {
-    const study::Knot &a = q.points[i - 1], &b = q.points[i];
-    halved.points.push_back({(a.time + b.time) / 2, (a.stretch + b.stretch) / 2});
-    halved.points.push_back(b);
+  std::size_t begin = 0, more = 0;  // of a history in all points, and how many have been added before it
+  for (auto& part : halved.points) {
+    const auto points = part;
+    part = {points[0]};
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const study::Knot &a = points[i - 1], &b = points[i];
+      part.push_back({(a.time + b.time) / 2, (a.stretch + b.stretch) / 2});
+      part.push_back(b);
+    }
+    for (std::size_t i = 0; i < q.measured.size(); ++i) {
+      const std::size_t at = q.measured[i].at;
+      if (at >= begin && at < begin + points.size()) halved.measured[i].at = at + more + (at - begin);
+    }
+    begin += points.size();
+    more += points.size() - 1;
   }
-  for (std::size_t& i : halved.at) i *= 2;
   double most = 0;
   for (std::size_t i = 0; i < q.measured.size(); ++i)
-    most = std::max(most, std::abs(computed(halved, v, i) - computed(q, v, i)) / q.data.measurements[i].sd);
+    most = std::max(most,
+                    std::abs(halved.computed(v.data(), i) - q.computed(v.data(), i)) / q.measured[i].what.sd);
   return most;
 }
 
@@ -347,16 +397,16 @@ struct Plan {
 /// How often the 95 % intervals hold the truth.
 int coverage(Question q, const Values& truth, const Free& free, const Plan& plan, std::mt19937_64& random,
              const study::Folder& out) {
-  const study::Study& data = q.data;
+  const study::Study& data = q.first();
   const long runs = plan.coverage_runs;
   std::normal_distribution<double> normal;
   std::vector<double> exact;
-  for (std::size_t i = 0; i < q.measured.size(); ++i) exact.push_back(computed(q, truth, i));
+  for (std::size_t i = 0; i < q.measured.size(); ++i) exact.push_back(q.computed(truth.data(), i));
   std::vector<long> by_curvature(data.fitted.size(), 0), by_profile(data.fitted.size(), 0);
   std::vector<double> sum(data.fitted.size(), 0);
   for (long run = 0; run < runs; ++run) {
     for (std::size_t i = 0; i < exact.size(); ++i)
-      q.measured[i] = exact[i] + data.measurements[i].sd * normal(random);
+      q.measured[i].value = exact[i] + q.measured[i].what.sd * normal(random);
     Values middle = truth;
     for (const study::Bounds& b : data.fitted) middle[b.index] = (b.lower + b.upper) / 2;
     const Fit best = fits_from_starts(q, middle, free, plan.starts, random, false)[0];
@@ -401,7 +451,7 @@ int coverage(Question q, const Values& truth, const Free& free, const Plan& plan
 /// The fit, its intervals and what they are worth.
 int estimate(const Question& q, const Values& given, const Free& free, const Plan& plan,
              std::mt19937_64& random, const study::Folder& out) {
-  const study::Study& data = q.data;
+  const study::Study& data = q.first();
   const std::vector<Fit> fits = fits_from_starts(q, given, free, plan.starts, random, true);
   const Fit& best = fits[0];
   const auto same = [&](const Fit& f) { return f.chi2 <= best.chi2 + 1e-6 * (1 + best.chi2); };
@@ -414,6 +464,13 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
   text += format("%ld measurements, %ld parameters fitted; chi2 = %.3f", n, k, best.chi2);
   if (k > 0) text += format("; %ld of %zu starts end there", static_cast<long>(agreeing), fits.size());
   text += ".\n\n";
+
+  std::string ignored;
+  for (std::size_t i = 1; i < q.studies.size(); ++i) {
+    if (!q.studies[i].given.empty() || !q.studies[i].fitted.empty())
+      ignored += (ignored.empty() ? "" : ", ") + q.studies[i].name;
+  }
+  if (!ignored.empty()) text += "Not used: the rows 'set' and 'fit' of " + ignored + ".\n\n";
 
   if (k > 0)
     text +=
@@ -480,13 +537,16 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
         format("The time steps are too long for these parameters: what is computed is off by %.2g "
                "sd.",
                off_steps));
-  const std::size_t last = data.knots.size() - 1;
-  const double end = data.knots[last].time, latest = q.points.back().time;
-  if (latest > end * (1 + 1e-9) && end > data.knots[last - 1].time)
-    warnings.push_back(
-        format("The history ends on day %g; for the measurements until day %g its last stretch, %g, is "
-               "taken to stay.",
-               end, latest, data.knots[last].stretch));
+  for (std::size_t part = 0; part < q.studies.size(); ++part) {
+    const auto& knots = q.studies[part].knots;
+    const std::size_t last = knots.size() - 1;
+    const double end_of_history = knots[last].time, latest = q.points[part].back().time;
+    if (latest > end_of_history * (1 + 1e-9) && end_of_history > knots[last - 1].time)
+      warnings.push_back(
+          format("The history ends on day %g; for the measurements until day %g its last stretch, %g, is "
+                 "taken to stay.",
+                 end_of_history, latest, knots[last].stretch));
+  }
   if (n < k) warnings.push_back(format("%ld measurements cannot decide %ld parameters.", n, k));
   if (n > k && best.chi2 > static_cast<double>(n - k) + 3 * std::sqrt(2.0 * static_cast<double>(n - k)))
     warnings.push_back(format(
@@ -512,14 +572,20 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
     matrix("correlation", "%.3f", c.correlation);
     matrix("covariance", "%.4g", c.covariance);
   }
-  text += "\n| day | quantity | measured | sd | computed | off by |\n|---|---|---|---|---|---|\n";
+  const bool joint = q.studies.size() > 1;
+  text += std::string(joint ? "\n| study " : "\n") +
+          "| day | quantity | measured | sd | computed | off by |\n|---|---|---|---|---|---|" +
+          (joint ? "---|\n" : "\n");
   for (std::size_t i = 0; i < q.measured.size(); ++i) {
-    const study::Measurement& m = data.measurements[i];
-    const double y = computed(q, best.values, i), off = 100 * (y - m.value) / m.value;
-    text += format("| %g | %s | %.4f | %.4f | %.4f | %+.2f %% |\n", m.time, m.of_G ? "G" : "lambda_e",
-                   m.value, m.sd, y, off);
-    points.push_back(study::json_object({{"day", json(m.time)},
-                                         {"quantity", json(std::string(m.of_G ? "G" : "lambda_e"))},
+    const study::Measurement& m = q.measured[i].what;
+    const std::string& title = q.studies[q.part_of(q.measured[i].at)].title;
+    const std::string which = joint ? "| " + study::cell(title) + " " : "";
+    const double y = q.computed(best.values.data(), i), off = 100 * (y - m.value) / m.value;
+    text += format("%s| %g | %s | %.4f | %.4f | %.4f | %+.2f %% |\n", which.c_str(), m.time,
+                   study::text(m.of), m.value, m.sd, y, off);
+    points.push_back(study::json_object({{"title", json(title)},
+                                         {"day", json(m.time)},
+                                         {"quantity", json(std::string(study::text(m.of)))},
                                          {"value", json(m.value)},
                                          {"sd", json(m.sd)},
                                          {"computed", json(y)}}));
@@ -528,10 +594,14 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
 
   // The history at the estimate, finer than it was fitted with.
   auto muscle = data.muscle;
-  muscle.growth = {best.values[0], best.values[1], best.values[2], best.values[3]};
+  const Law<double> law([&](std::size_t p) { return best.values[p]; });
+  muscle.growth = law.growth;
+  muscle.removal = law.removal;
+  auto knots = data.knots;
+  for (study::Knot& knot : knots) knot.stretch = study::scaled(knot.stretch, law.amplitude);
   std::vector<double> stops;
   for (const auto& m : data.measurements) stops.push_back(m.time);
-  const auto curve = study::pull(muscle, study::cut(data.knots, stops, 0.002, 0.03, data.name), data.name);
+  const auto curve = study::pull(muscle, {}, study::cut(knots, stops, 0.002, 0.03, data.name), data.name);
   out.write("report.md", text + (k > 0 ? "\n![fit](fit.png)\n![profiles](profiles.png)\n" : ""));
   out.write("report.json",
             study::json_object(
@@ -556,14 +626,27 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
 
 int fit(int argc, char** argv) {
   const study::Options options(argc, argv, help, {"robust", "starts", "coverage", "seed", "out"}, {"set"});
-  if (options.files.size() != 1) throw study::Error("expected one file (--help says more)");
+  if (options.files.empty()) throw study::Error("expected a file (--help says more)");
   const std::string& file = options.files[0];
-  const study::Study data = study::read(file, options);
-  if (data.measurements.empty())
-    throw study::Error(file + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
-  if (data.knots.size() < 2) throw study::Error(file + ": expected a row step, ramp, hold or distract");
-  const auto& growth = data.muscle.growth;
-  const Values given{growth.tau, growth.gamma, growth.G_max, growth.lambda_crit};
+  std::vector<study::Study> studies;
+  for (const std::string& one : options.files) {
+    if (std::count(options.files.begin(), options.files.end(), one) > 1)
+      throw study::Error(one + ": expected each file only once");
+    studies.push_back(study::read(one, options));
+    const study::Study& read = studies.back();
+    if (read.measurements.empty())
+      throw study::Error(one + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
+    if (read.knots.size() < 2)
+      throw study::Error(one + ": expected a row step, ramp, hold, distract or cycle");
+    if (read.tendon.length > 0)
+      throw study::Error(read.tendon_place + ": expected no tendon: ./run fit is of muscle only");
+    for (const study::Measurement& m : read.measurements) {
+      if (m.of == study::Quantity::tendon)
+        throw study::Error(one + ": expected no measurement of a tendon: ./run fit is of muscle only");
+    }
+  }
+  const study::Study& data = studies[0];
+  const Values given = data.start();
   Free free{};
   for (const study::Bounds& b : data.fitted) free[b.index] = true;
   std::mt19937_64 random(static_cast<unsigned long>(options.count("seed", 1, 0, most_seed)));
@@ -579,7 +662,7 @@ int fit(int argc, char** argv) {
                            ", which is taken as true, has to be within the bounds");
     }
   }
-  const Question q = question_of(data, plan.robust);
+  const Question q = question_of(studies, plan.robust);
   const study::Folder out(options.text("out", "out/fit/" + data.name),
                           {"report.md", "report.json", "coverage.json", "fit.png", "profiles.png"},
                           options.files);

@@ -30,7 +30,7 @@ struct Outcome {
   double peak, peak_day;      // of lambda_e
   double above_injury, dose;  // days; their integral of lambda_e - injury [days]
   double returned;            // day; 0: never gone, infinite: not within the run
-  double peak_force, final_G, final_lambda_e;
+  double peak_force, final_G, final_lambda_e, final_tendon;
 };
 
 /// Day at which a straight line between two points has this lambda_e.
@@ -39,7 +39,9 @@ double crossing(const Point& a, const Point& b, double level) {
 }
 
 Outcome judge(const study::Study& s, const std::vector<Point>& run, double injury, double within) {
-  Outcome o{s.title, s.name, 0, run.back().stretch, 0, 0, 0, 0, 0, 0, run.back().G, run.back().lambda_e};
+  Outcome o{
+      s.title,          s.name, 0, run.back().stretch, 0, 0, 0, 0, 0, 0, run.back().G, run.back().lambda_e,
+      run.back().tendon};
   const double level = 1 + within;
   for (std::size_t i = 0; i < run.size(); ++i) {
     const Point &b = run[i], &a = run[i > 0 ? i - 1 : 0];
@@ -66,10 +68,10 @@ Outcome judge(const study::Study& s, const std::vector<Point>& run, double injur
 }
 
 std::string csv(const std::vector<Point>& run) {
-  std::string text = "day,stretch,G,lambda_e,force_per_reference_area,lateral_stretch\n";
+  std::string text = "day,stretch,G,lambda_e,force_per_reference_area,lateral_stretch,tendon\n";
   for (const Point& p : run)
-    text +=
-        format("%.10g,%.8g,%.8g,%.8g,%.8g,%.8g\n", p.time, p.stretch, p.G, p.lambda_e, p.force, p.lateral);
+    text += format("%.10g,%.8g,%.8g,%.8g,%.8g,%.8g,%.8g\n", p.time, p.stretch, p.G, p.lambda_e, p.force,
+                   p.lateral, p.tendon);
   return text;
 }
 
@@ -81,7 +83,8 @@ std::string json_of(const std::vector<Point>& run) {
                              {"stretch", column(&Point::stretch)},
                              {"G", column(&Point::G)},
                              {"lambda_e", column(&Point::lambda_e)},
-                             {"force", column(&Point::force)}});
+                             {"force", column(&Point::force)},
+                             {"tendon", column(&Point::tendon)}});
 }
 
 /// A line that names the rows of a study that are not used here; empty if all are.
@@ -124,20 +127,21 @@ int compare(const study::Options& options) {
   const study::Folder out(options.text("out", "out/protocol"), names, options.files);
   std::string text = format(
       "| protocol | lengthened by day | peak lambda_e | on day | days above %g | dose above it [days] | "
-      "below %g from day | peak force | G at the end |\n|---|---|---|---|---|---|---|---|---|\n",
+      "below %g from day | peak force | G at the end | tendon at the end "
+      "|\n|---|---|---|---|---|---|---|---|---|---|\n",
       injury, 1 + within);
   std::vector<std::string> items;
   for (std::size_t i = 0; i < protocols.size(); ++i) {
     const study::Study& s = protocols[i];
-    const auto run = study::pull(s.muscle, points[i], s.name);
+    const auto run = study::pull(s.muscle, s.tendon, points[i], s.name);
     const Outcome o = judge(s, run, injury, within);
     out.write(s.name + ".csv", csv(run));
     const std::string returned = !std::isfinite(o.returned) ? "never"
                                  : o.returned > 0           ? format("%.2f", o.returned)
                                                             : "always";
-    text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f |\n",
+    text += format("| %s | %.2f | %.4f | %.2f | %.3f | %.5f | %s | %.4f | %.4f | %.4f |\n",
                    study::cell(o.title).c_str(), o.end_of_lengthening, o.peak, o.peak_day, o.above_injury,
-                   o.dose, returned.c_str(), o.peak_force, o.final_G);
+                   o.dose, returned.c_str(), o.peak_force, o.final_G, o.final_tendon);
     items.push_back(study::json_object({{"name", json(o.name)},
                                         {"title", json(o.title)},
                                         {"end_of_lengthening", json(o.end_of_lengthening)},
@@ -150,6 +154,7 @@ int compare(const study::Options& options) {
                                         {"peak_force", json(o.peak_force)},
                                         {"final_G", json(o.final_G)},
                                         {"final_lambda_e", json(o.final_lambda_e)},
+                                        {"final_tendon", json(o.final_tendon)},
                                         {"run", json_of(run)}}));
   }
   for (const study::Study& s : protocols) text += not_used(s, true);
@@ -213,8 +218,8 @@ std::vector<study::Knot> daily_steps(const myogrowth::FibreGrowth<>& muscle, dou
 /// longer than `most`.
 double shortest_ramp(const myogrowth::FibreGrowth<>& muscle, double limit, double target, double most) {
   const auto admissible = [&](double days) {
-    const auto run =
-        study::pull(muscle, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0, "the ramp"), "the ramp");
+    const auto run = study::pull(
+        muscle, {}, study::cut({{0, 1}, {days, target}}, {}, days / 400, 0, "the ramp"), "the ramp");
     return std::all_of(run.begin(), run.end(), [&](const Point& p) { return p.lambda_e <= limit; });
   };
   if (!admissible(most)) return std::numeric_limits<double>::infinity();
@@ -239,6 +244,9 @@ int design(const study::Options& options) {
   } else {
     s = study::read(options.files[0], options);
   }
+  if (s.tendon.length > 0)
+    throw study::Error(s.tendon_place +
+                       ": expected no tendon with --design: the fastest way is of muscle only");
   const auto& growth = s.muscle.growth;
   const double rest = options.number("rest-length", s.rest_length > 0 ? s.rest_length : 100,
                                      study::least_length, study::most_length);
@@ -276,7 +284,7 @@ int design(const study::Options& options) {
   }
   const double after = std::max(days, 14.0);
   const auto run = study::pull(
-      s.muscle, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02, "the fastest"),
+      s.muscle, {}, study::cut(knots, {days + after}, days > 0 ? days / 4000 : 0.01, 0.02, "the fastest"),
       "the fastest");
   double peak = 0, off = 0;
   for (const Point& p : run) {
@@ -286,8 +294,9 @@ int design(const study::Options& options) {
   auto step_knots = daily_steps(s.muscle, limit, target);
   const bool steps_arrive = step_knots.back().stretch >= target;
   const double step_days = step_knots[step_knots.size() - 2].time;
-  const auto step_run = study::pull(
-      s.muscle, study::cut(step_knots, {days + after}, 0.002, 0.02, "the daily steps"), "the daily steps");
+  const auto step_run =
+      study::pull(s.muscle, {}, study::cut(step_knots, {days + after}, 0.002, 0.02, "the daily steps"),
+                  "the daily steps");
   double step_peak = 0;
   for (const Point& p : step_run) step_peak = std::max(step_peak, p.lambda_e);
   const double ramp_days = days > 0 ? shortest_ramp(s.muscle, limit, target, 100 * days) : 0;
