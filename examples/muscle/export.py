@@ -280,6 +280,9 @@ def calculix(given, n0):
     moving = {name: (u, table) for name, (u, table) in given.actions.items() if np.any(u)}
     for start, end, moves in given.periods():
         text.append(f"** Days {start:g} to {end:g}\n*STEP, NLGEOM, INC=100000\n*STATIC\n{_increments(given, start, end, moves)}\n")
+        # CalculiX's own tolerance is half a per cent of the forces, and it judges the rate after a few iterations.
+        text.append("*CONTROLS, PARAMETERS=FIELD\n1.E-7, 1.E-5,,, 1.E-7,,, 1.E-12\n*CONTROLS, PARAMETERS=TIME INCREMENTATION\n"
+                    "10, 20, 40, 40\n")
         for name, (u, _) in moving.items():
             for i in range(3):
                 text.append(f"*BOUNDARY, AMPLITUDE=MOVES_{clean(name)}\n{clean(name)}, {i + 1}, {i + 1}, {u[i]:.15g}\n")
