@@ -205,7 +205,7 @@ def clean(name):
 
 def _mesh(mesh, labels, numbers):
     text = ["*NODE, NSET=ALLNODES\n"]
-    text += ["%d, %.15g, %.15g, %.15g\n" % (label, *x) for label, x in zip(labels.tolist(), mesh.X.tolist())]
+    text += ["%d, %.12g, %.12g, %.12g\n" % (label, *x) for label, x in zip(labels.tolist(), mesh.X.tolist())]
     for kind, cells in mesh.kinds.items():
         text.append(f"*ELEMENT, TYPE={TYPES[kind]}, ELSET=ALLELEMENTS\n")
         for number, nodes in zip(numbers[cells].tolist(), labels[mesh.nodes_of[kind]].tolist()):

@@ -29,7 +29,7 @@ from test_mesh import Bar  # noqa: E402
 
 MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
        "OMPI_MCA_hwloc_base_binding_policy": "none", "OMP_NUM_THREADS": "1"}
-STEPS = ["Time/Steps=fixed", "Time/Step=0.25", "Time/End=2", "Output/Times=1"]
+STEPS = ["Time/Steps=fixed", "Time/Step=0.125", "Time/End=1.5", "Output/Times=1"]
 
 
 def spindle(kind, n=6):
@@ -107,6 +107,35 @@ class CalculiX(Case):
                 self.assertGreater(np.ptp(fields.lambda_e), 0.005)
                 self.assertLess(worst, 1e-5)
                 self.assertLess(apart, 1e-4)
+
+
+class Motion(Case):
+    """Of the mesh file: a rigid one changes nothing to 1e-9, seven digits nothing to 1e-5."""
+
+    def setUp(self):
+        super().setUp()
+        if not PROGRAM:
+            print("skipped: no deal.II program")
+            self.skipTest("no solver")
+
+    solver = CalculiX.solver
+
+    def test_motion(self):
+        bar = spindle("tet4")
+        a, b = 0.6, -1.1
+        R = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) @ \
+            np.array([[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]])
+        still = np.array(bar.X)
+        moved = still @ R.T + (400, 300, -500)
+        found = []
+        for X in (still, moved, np.array([[float(f"{c:.7g}") for c in x] for x in moved])):
+            bar.X = [tuple(x) for x in X.tolist()]
+            out = self.solver(self.mesh(bar), *STEPS, "Solver/Newton tolerance=1e-11")
+            found.append(figures.read_regions(out / "regions.csv")["all"])
+        for other, limit in zip(found[1:], (1e-9, 1e-5)):
+            worst = max(np.abs(other[name] - found[0][name]).max() for name in ("lambda_e_mean", "lambda_e_p05", "lambda_e_p99", "G_mean"))
+            print(f"differs by {worst:.1e}")
+            self.assertLess(worst, limit)
 
 
 class Text(Case):
