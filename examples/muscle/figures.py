@@ -232,7 +232,34 @@ def draw_regions(out):
     pictures.save(fig, out / "regions.png")
 
 
+def write_hot_volume(mesh, out):
+    """Where the 1 % of the muscle's volume lies whose elements are stretched most: hot_volume.csv, before the deformation."""
+    outer = facets(mesh)
+    surface = np.zeros(len(mesh.cell_labels), dtype=bool)
+    surface[[cell for _, cell in outer]] = True
+    middle = np.zeros((len(mesh.cell_labels), 3))
+    for kind, cells in mesh.kinds.items():
+        middle[cells] = mesh.X[mesh.nodes_of[kind][:, :meshes.CORNERS[kind]]].mean(axis=1)
+    start, line = mesh.centroid("PROXIMAL"), mesh.centroid("DISTAL") - mesh.centroid("PROXIMAL")
+    along = (middle - start) @ line / (line @ line)
+    held = np.unique([n for end in meshes.ENDS for f in mesh.surfaces[end] for n in f])
+    volume = mesh.each(meshes.volumes)
+    rows = []
+    for day, paths in sorted(fields_of(out).items()):
+        f = Fields(mesh, paths)
+        order = [c for c in np.argsort(-f.lambda_e) if not f.tendon[c]]
+        before = np.cumsum(volume[order]) - volume[order]
+        hot = np.array(order)[before < 0.01 * volume[order].sum()]
+        near = np.array([np.linalg.norm(mesh.X[held] - x, axis=1).min() for x in middle[hot]])
+        share = [volume[hot][mask].sum() / volume[hot].sum() for mask in (along[hot] < 1 / 3, along[hot] > 2 / 3, surface[hot])]
+        rows.append([f"{x:.6g}" for x in (day, f.lambda_e[hot].min(), len(hot), *share, np.median(near), near.max())])
+    files.write_csv(out / "hot_volume.csv", ["time", "lambda_e_from", "elements", "share_proximal_third", "share_distal_third",
+                                             "share_with_a_facet_on_the_surface", "distance_to_attachment_median", "distance_to_attachment_max"],
+                    rows)
+
+
 def draw(mesh, out, ramp):
+    write_hot_volume(mesh, out)
     with plt.rc_context(pictures.GRID):
         draw_muscle(mesh, out, ramp)
         draw_regions(out)
