@@ -20,7 +20,7 @@ using namespace dealii;
 
 namespace {
 
-constexpr std::uint32_t this_order = 0x01020304, other_order = 0x04030201, this_version = 2;
+constexpr std::uint32_t this_order = 0x01020304, other_order = 0x04030201, this_version = 3;
 
 struct Header {
   char magic[8] = {'m', 'y', 'o', 'g', 'r', 'm', 'p', 'i'};
@@ -34,7 +34,7 @@ struct Header {
 struct Record {
   double G[most_points] = {}, lambda[most_points] = {}, u[3 * most_nodes] = {};
 };
-static_assert(sizeof(Header) == 72 && sizeof(Record) == 320, "no gaps, which would be written");
+static_assert(sizeof(Header) == 72 && sizeof(Record) == 368, "no gaps, which would be written");
 
 /// CRC-32 of bytes, after `before` of others.
 std::uint64_t crc(const void* bytes, std::size_t n, std::uint64_t before = 0) {
@@ -120,7 +120,7 @@ std::string section_of(const std::string& entry) { return entry.substr(0, entry.
 bool may_change(const std::string& entry) {
   const std::string section = section_of(entry);
   return section == "Solver" || section == "Output" || section == "Geometry" || section == "Fibre" ||
-         entry == "Ends/Tolerance" || (section == "Time" && entry != "Time/Ramp");
+         section == "Mesh" || entry == "Ends/Tolerance" || (section == "Time" && entry != "Time/Ramp");
 }
 
 }  // namespace
@@ -128,32 +128,44 @@ bool may_change(const std::string& entry) {
 /// What this run is: "name = value" lines. Of mesh, fibres and supports a checksum, summed over the cells.
 std::string Muscle::identity() const {
   std::array<std::uint64_t, 3> sums = {{0, 0, 0}};
-  std::array<std::uint64_t, 3> counts = {{0, 0, 0}};
+  std::array<std::uint64_t, 4> counts = {{0, 0, 0, 0}};
   for (const Group& group : groups_) {
     const auto nodes = static_cast<std::size_t>(n_nodes(group.shape)),
                points = static_cast<std::size_t>(n_points(group.shape));
-    counts[group.shape == Shape::hex ? 0 : 1] += group.n;
-    counts[2] += group.tendon ? group.n : 0;
+    counts[group.shape == Shape::hex ? 0 : group.shape == Shape::wedge ? 1 : 2] += group.n;
+    counts[3] += grows(group) ? 0 : group.n;
     for (std::size_t c = group.first_cell; c < group.first_cell + group.n; ++c) {
       const std::uint64_t key = cell_key(cells_[c]->id());
-      std::vector<double> X{group.tendon ? 1. : 0.};
+      std::vector<double> X{static_cast<double>(group.material)};
       for (std::size_t k = 0; k < 3 * nodes; ++k) X.push_back(X_[3 * first_node_[c] + k] + 0.0);  // no -0
       std::vector<float> n0;  // in which the last digit of a fibre function does not matter
       for (std::size_t k = 0; k < 3 * points; ++k)
         n0.push_back(static_cast<float>(n0_[3 * first_point_[c] + k]) + 0.0f);
-      std::vector<Support> supports;
-      for (const unsigned node : unknowns_->cell_nodes[c])
-        supports.insert(supports.end(), support_.begin() + node, support_.begin() + node + 3);
+      std::vector<float> supports;
+      for (const unsigned node : unknowns_->cell_nodes[c]) {
+        const int index = support_of_[node / 3];
+        if (index < 0) continue;
+        const Support& support = supports_[static_cast<std::size_t>(index)];
+        supports.push_back(static_cast<float>(support.attachment));
+        for (unsigned d = 0; d < support.n; ++d) {
+          for (unsigned i = 0; i < 3; ++i) supports.push_back(static_cast<float>(support.along[d][i]) + 0.0f);
+        }
+      }
       sums[0] += checksum_of(key, X.data(), sizeof(double) * X.size());
       sums[1] += checksum_of(key, n0.data(), sizeof(float) * n0.size());
-      sums[2] += checksum_of(key, supports.data(), supports.size());
+      sums[2] += checksum_of(key, supports.data(), sizeof(float) * supports.size());
     }
   }
   for (std::uint64_t& x : sums) x = Utilities::MPI::sum(x, comm_);
   for (std::uint64_t& x : counts) x = Utilities::MPI::sum(x, comm_);
   std::string text = "mesh = " + std::to_string(counts[0]) + " hexahedra, " + std::to_string(counts[1]) +
-                     " wedges, " + std::to_string(counts[2]) + " of them tendon, checksum " + hex(sums[0]) +
-                     "\nfibres = checksum " + hex(sums[1]) + "\nsupports = checksum " + hex(sums[2]) + "\n";
+                     " wedges, " + std::to_string(counts[2]) + " tetrahedra, " + std::to_string(counts[3]) +
+                     " of them tendon, checksum " + hex(sums[0]) + "\nfibres = checksum " + hex(sums[1]) +
+                     "\nsupports = checksum " + hex(sums[2]) + "\n";
+  if (!parameters_.attachments.protocol.empty()) {
+    const auto& rows = parameters_.attachments.stretching.rows();
+    text += "protocol = checksum " + hex(crc(rows.data(), sizeof(rows[0]) * rows.size())) + "\n";
+  }
   for (const auto& entry : parameters_.entries) text += entry.first + " = " + entry.second + "\n";
   return text;
 }

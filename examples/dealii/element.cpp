@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 #include <myogrowth/many/batch.hpp>
+#include <utility>
 
 namespace muscle {
 namespace {
@@ -18,7 +19,11 @@ struct Reference {
   double N[points][nodes], dN[points][nodes][3], weight[points];
 
   Reference() {
-    for (int q = 0; q < points; ++q) shape == Shape::hex ? hex(q) : wedge(q);
+    for (int q = 0; q < points; ++q) {
+      if constexpr (shape == Shape::hex) hex(q);
+      if constexpr (shape == Shape::wedge) wedge(q);
+      if constexpr (shape == Shape::tet || shape == Shape::tet10) tet(q);
+    }
   }
 
   void hex(int q) {
@@ -45,6 +50,25 @@ struct Reference {
       dN[q][a][0] = slope[a % 3][0] * f;
       dN[q][a][1] = slope[a % 3][1] * f;
       dN[q][a][2] = third * sign / 2;
+    }
+  }
+
+  /// One point in the middle, or four; in barycentric coordinates L.
+  void tet(int q) {
+    static constexpr double slope[4][3] = {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    constexpr double far = points == 1 ? 0.25 : 0.13819660112501051518;  // (5 - sqrt 5)/20
+    weight[q] = 1. / (6 * points);
+    double L[4] = {far, far, far, far};
+    L[(q + 1) % 4] = 1 - 3 * far;
+    if (points == 1) L[1] = far;
+    for (int a = 0; a < 4; ++a) {
+      N[q][a] = nodes == 4 ? L[a] : L[a] * (2 * L[a] - 1);
+      for (int i = 0; i < 3; ++i) dN[q][a][i] = (nodes == 4 ? 1 : 4 * L[a] - 1) * slope[a][i];
+    }
+    for (int e = 0; e < nodes - 4; ++e) {
+      const int a = tet_edges[e][0], b = tet_edges[e][1];
+      N[q][4 + e] = 4 * L[a] * L[b];
+      for (int i = 0; i < 3; ++i) dN[q][4 + e][i] = 4 * (L[a] * slope[b][i] + L[b] * slope[a][i]);
     }
   }
 };
@@ -147,6 +171,12 @@ struct Point {
   double mean() const { return shift + trace_B / 3; }  // of tau
   double trace_h() const { return h_ff * ff + 3 * h_I + h_B * trace_B; }
 };
+
+/// An array of what `point` makes.
+template <std::size_t... q, class Make>
+std::array<Point, sizeof...(q)> points_at(std::index_sequence<q...>, const Make& point) {
+  return {{point(q)...}};
+}
 
 /// The pointwise element: R and, if asked for, K.
 template <int nodes, int points, bool tangent>
@@ -322,18 +352,10 @@ Failure Elements::block(const Cells& cells, int first, int n, double dt, const F
     const std::ptrdiff_t cell = first + c;
     double* R = out.residual + cell * dofs;
     double* K = tangent ? out.stiffness + cell * dofs * dofs : nullptr;
-    std::array<Point, points> at = [&]() {
-      const int i = points * c;
-      const auto point = [&](int q) {
-        return Point(material_, w[i + q], J[i + q], sigma + i + q, compact + i + q, stride);
-      };
-      if constexpr (shape == Shape::hex) {
-        return std::array<Point, points>{point(0), point(1), point(2), point(3),
-                                         point(4), point(5), point(6), point(7)};
-      } else {
-        return std::array<Point, points>{point(0), point(1)};
-      }
-    }();
+    const std::array<Point, points> at = points_at(std::make_index_sequence<points>(), [&](std::size_t q) {
+      const std::size_t i = static_cast<std::size_t>(points * c) + q;
+      return Point(material_, w[i], J[i], sigma + i, compact + i, stride);
+    });
     for (int k = 0; k < dofs; ++k) R[k] = 0;
     if (volume_ == Volume::pointwise) {
       pointwise<nodes, points, tangent>(at.data(), g + points * c, R, K);
@@ -349,41 +371,69 @@ Failure Elements::block(const Cells& cells, int first, int n, double dt, const F
   return {};
 }
 
-Failure Elements::evaluate(const Cells& cells, double dt, const Forces& out) {
-  const int most = block_points / n_points(cells.shape);
-  for (int first = 0; first < cells.n; first += most) {
-    const int n = cells.n - first < most ? cells.n - first : most;
-    const bool hex = cells.shape == Shape::hex, tangent = out.stiffness != nullptr;
-    const Failure failure = hex       ? tangent ? block<Shape::hex, true>(cells, first, n, dt, out)
-                                                : block<Shape::hex, false>(cells, first, n, dt, out)
-                                  : tangent ? block<Shape::wedge, true>(cells, first, n, dt, out)
-                                      : block<Shape::wedge, false>(cells, first, n, dt, out);
-    if (failure.point >= 0) return failure;
-  }
-  return {};
-}
-
 namespace {
 
-template <Shape shape>
-void points_of(const double* X, double* places, double* volumes) {
-  const Reference<shape>& ref = reference<shape>();
-  for (int q = 0; q < n_points(shape); ++q) {
-    double dX[9];
-    gradient<n_nodes(shape)>(X, ref.dN[q], dX);
-    volumes[q] = determinant(dX) * ref.weight[q];
-    for (int i = 0; i < 3; ++i) {
-      places[3 * q + i] = 0;
-      for (int a = 0; a < n_nodes(shape); ++a) places[3 * q + i] += ref.N[q][a] * X[3 * a + i];
-    }
+/// Calls f with the shape as a constant.
+template <class F>
+auto for_shape(Shape shape, const F& f) {
+  switch (shape) {
+    case Shape::hex:
+      return f(std::integral_constant<Shape, Shape::hex>());
+    case Shape::wedge:
+      return f(std::integral_constant<Shape, Shape::wedge>());
+    case Shape::tet:
+      return f(std::integral_constant<Shape, Shape::tet>());
+    default:
+      return f(std::integral_constant<Shape, Shape::tet10>());
   }
 }
 
 }  // namespace
 
+Failure Elements::evaluate(const Cells& cells, double dt, const Forces& out) {
+  const int most = block_points / n_points(cells.shape);
+  for (int first = 0; first < cells.n; first += most) {
+    const int n = cells.n - first < most ? cells.n - first : most;
+    const bool tangent = out.stiffness != nullptr;
+    const Failure failure = for_shape(cells.shape, [&](auto shape) {
+      return tangent ? block<shape(), true>(cells, first, n, dt, out)
+                     : block<shape(), false>(cells, first, n, dt, out);
+    });
+    if (failure.point >= 0) return failure;
+  }
+  return {};
+}
+
 void integration_points(Shape shape, const double* X, double* places, double* volumes) {
-  shape == Shape::hex ? points_of<Shape::hex>(X, places, volumes)
-                      : points_of<Shape::wedge>(X, places, volumes);
+  for_shape(shape, [&](auto s) {
+    const auto& ref = reference<s()>();
+    for (int q = 0; q < n_points(s()); ++q) {
+      double dX[9];
+      gradient<n_nodes(s())>(X, ref.dN[q], dX);
+      volumes[q] = determinant(dX) * ref.weight[q];
+      for (int i = 0; i < 3; ++i) {
+        places[3 * q + i] = 0;
+        for (int a = 0; a < n_nodes(s()); ++a) places[3 * q + i] += ref.N[q][a] * X[3 * a + i];
+      }
+    }
+  });
+}
+
+void shape_gradients(Shape shape, const double* X, double* gradients) {
+  for_shape(shape, [&](auto s) {
+    const auto& ref = reference<s()>();
+    for (int q = 0; q < n_points(s()); ++q) {
+      double dX[9], to_X[9];
+      gradient<n_nodes(s())>(X, ref.dN[q], dX);
+      myogrowth::inverse(dX, to_X);
+      for (int a = 0; a < n_nodes(s()); ++a) {
+        for (int j = 0; j < 3; ++j) {
+          *gradients++ = ref.dN[q][a][0] * to_X[3 * j] + ref.dN[q][a][1] * to_X[3 * j + 1] +
+                         ref.dN[q][a][2] * to_X[3 * j + 2];
+        }
+      }
+    }
+  });
 }
 
 }  // namespace muscle

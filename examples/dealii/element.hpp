@@ -1,6 +1,6 @@
 /// @file
-/// Residual and stiffness of hexahedra and wedges that carry the law, on plain arrays: no finite-element
-/// code.
+/// Residual and stiffness of hexahedra, wedges and tetrahedra that carry the law, on plain arrays: no
+/// finite-element code.
 ///
 /// Total Lagrangian, in the measures of the kernel. With g_a = F^-T grad N_a and B = c2 b_e = tau - shift I,
 /// the compact tangent of many/batch.hpp leaves of w P:grad N_a and its derivative
@@ -20,11 +20,24 @@
 
 namespace muscle {
 
-/// The elements there are, with the corners in CalculiX's order (C3D8 and C3D6) and its integration points.
-enum class Shape { hex, wedge };
-constexpr int n_nodes(Shape shape) { return shape == Shape::hex ? 8 : 6; }
-constexpr int n_points(Shape shape) { return shape == Shape::hex ? 8 : 2; }
-constexpr int most_nodes = 8, most_points = 8;
+/// The elements there are, with the nodes in CalculiX's order (C3D8, C3D6, C3D4 and C3D10) and its
+/// integration points.
+enum class Shape { hex, wedge, tet, tet10 };
+constexpr Shape all_shapes[] = {Shape::hex, Shape::wedge, Shape::tet, Shape::tet10};
+constexpr int n_nodes(Shape shape) {
+  return shape == Shape::hex ? 8 : shape == Shape::wedge ? 6 : shape == Shape::tet ? 4 : 10;
+}
+constexpr int n_corners(Shape shape) { return shape == Shape::tet10 ? 4 : n_nodes(shape); }
+constexpr int n_points(Shape shape) {
+  return shape == Shape::hex ? 8 : shape == Shape::wedge ? 2 : shape == Shape::tet ? 1 : 4;
+}
+constexpr const char* name_of(Shape shape) {
+  return shape == Shape::hex ? "hexahedron" : shape == Shape::wedge ? "wedge" : "tetrahedron";
+}
+constexpr int most_nodes = 10, most_points = 8;
+
+/// The corners that the nodes 4 to 9 of a tetrahedron of second degree lie between.
+constexpr int tet_edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
 
 /// The volume ratio that the law sees at a point.
 enum class Volume {
@@ -79,6 +92,9 @@ class Elements {
 
 /// Places [length] and volumes [length^3] of the integration points of a cell, points x 3 and points.
 void integration_points(Shape shape, const double* X, double* places, double* volumes);
+
+/// Derivatives of the shape functions over X at the integration points, points x nodes x 3 [1/length].
+void shape_gradients(Shape shape, const double* X, double* gradients);
 
 }  // namespace muscle
 

@@ -10,15 +10,19 @@
 #include <functional>
 #include <memory>
 
+#include "mesh_file.hpp"
 #include "parameters.hpp"
 
 namespace muscle {
 
 using Mesh = dealii::parallel::DistributedTriangulationBase<3>;
 
-/// Cylinder and brick: hexahedra of a forest of octrees (p4est). A file: hexahedra and wedges, parted by
-/// METIS on rank 0.
-std::unique_ptr<Mesh> make_mesh(const Parameters::Geometry& geometry, MPI_Comm comm);
+/// Cylinder and brick: hexahedra of a forest of octrees (p4est). A file's cells: parted by METIS on rank 0;
+/// the number of a coarse cell is its place in the file.
+std::unique_ptr<Mesh> make_mesh(const Parameters::Geometry& geometry, const MeshFile& file, MPI_Comm comm);
+
+/// deal.II's vertex of the corner in CalculiX's order.
+unsigned vertex(Shape shape, unsigned corner);
 
 /// A number of its own for every cell, whatever the number of ranks.
 std::uint64_t cell_key(const dealii::CellId& id);

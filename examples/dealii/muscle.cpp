@@ -3,6 +3,7 @@
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_simplex_p.h>
 #include <deal.II/fe/fe_system.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/fe/fe_wedge_p.h>
@@ -16,6 +17,7 @@
 #include <sstream>
 
 #include "../../abi/faults.hpp"
+#include "../common/rows.hpp"
 
 namespace muscle {
 
@@ -23,13 +25,18 @@ using namespace dealii;
 
 namespace {
 
-constexpr unsigned wedge_index = 0, hex_index = 1;  // in the collections
-constexpr double never = 1000;                      // an elastic stretch that the tendon does not reach
+constexpr unsigned wedge_index = 0, hex_index = 1, tet_index = 2;  // in the collections
+constexpr double never = std::numeric_limits<double>::infinity();
 
-/// deal.II's vertex of the corner in CalculiX's order.
-unsigned vertex(Shape shape, unsigned corner) {
-  static constexpr unsigned hex[8] = {0, 1, 3, 2, 4, 5, 7, 6};
-  return shape == Shape::hex ? hex[corner] : corner;
+unsigned index_of(const ReferenceCell& cell) {
+  return cell == ReferenceCells::Wedge        ? wedge_index
+         : cell == ReferenceCells::Hexahedron ? hex_index
+                                              : tet_index;
+}
+
+bool has_shape(const MeshFile& file, Shape shape) {
+  return std::any_of(file.cells.begin(), file.cells.end(),
+                     [&](const MeshFile::Cell& c) { return c.shape == shape; });
 }
 
 double cpu_seconds() {
@@ -52,29 +59,65 @@ Muscle::Muscle(const Parameters& parameters, MPI_Comm comm)
     : parameters_(parameters),
       comm_(comm),
       rank_(Utilities::MPI::this_mpi_process(comm)),
-      tendon_(parameters.muscle),
-      mesh_(make_mesh(parameters.geometry, comm)),
-      elements_(FESystem<3>(FE_WedgeP<3>(1), 3), FESystem<3>(FE_Q<3>(1), 3)),
-      mappings_(MappingFE<3>(FE_WedgeP<3>(1)), MappingFE<3>(FE_Q<3>(1))),
+      file_(parameters.geometry.kind == "file" || parameters.geometry.kind == "mesh"
+                ? read_mesh_file(parameters.geometry, comm)
+                : MeshFile()),
+      mesh_(make_mesh(parameters.geometry, file_, comm)),
+      elements_(FESystem<3>(FE_WedgeP<3>(1), 3), FESystem<3>(FE_Q<3>(1), 3),
+                FESystem<3>(FE_SimplexP<3>(has_shape(file_, Shape::tet10) ? 2 : 1), 3)),
+      mappings_(MappingFE<3>(FE_WedgeP<3>(1)), MappingFE<3>(FE_Q<3>(1)), MappingFE<3>(FE_SimplexP<3>(1))),
       dofs_(*mesh_) {
-  tendon_.c1 *= parameters.tendon_stiffness;
-  tendon_.c2 *= parameters.tendon_stiffness;
-  tendon_.growth.lambda_crit = never;
-  tendon_.removal.tau_rev = 0;
+  if (file_.has_sections) {
+    find_materials();
+  } else {
+    materials_ = {{"muscle", true, parameters.muscle}, {"tendon", false, parameters.tendon}};
+  }
+  if (parameters.volume == Volume::mean_dilatation && has_shape(file_, Shape::tet))
+    throw Error(
+        "Muscle/Volume = mean dilatation: must be pointwise with tetrahedra of four nodes, which have "
+        "one point; Mesh/Degree = 2 has four and does not lock");
   distribute();
   sort_cells();
-  find_ends();
-  find_supports();
+  if (file_.has_sections) {
+    find_attachments();
+  } else {
+    find_ends();
+    find_end_supports();
+  }
   start_points();
+  find_fibres();
+  find_regions();
+  if (file_.has_sections && parameters.fascicles > 0) trace_fascicles();
   identity_ = identity();
   system_ = parameters.solver == "ML" ? trilinos_system(*unknowns_) : petsc_system(*unknowns_);
   dt_ = parameters.steps == "listed" ? parameters.end : parameters.step;
 }
 
+/// A material for every section of the mesh file, in the order of the sections.
+void Muscle::find_materials() {
+  const auto& given = parameters_.materials;
+  for (const std::string& section : file_.sections) {
+    const auto found = std::find_if(given.begin(), given.end(),
+                                    [&](const Parameters::Material& m) { return m.section == section; });
+    if (found != given.end()) {
+      materials_.push_back(*found);
+    } else if (given.empty() && file_.sections.size() == 1) {
+      materials_.push_back({section, true, parameters_.muscle});
+    } else {
+      throw Error(file_.path + ": section " + section +
+                  " has no material: Materials/List must say 'muscle' or 'tendon' for it");
+    }
+  }
+  for (const auto& m : given) {
+    if (std::find(file_.sections.begin(), file_.sections.end(), m.section) == file_.sections.end())
+      throw Error("Materials/List: there is no section " + common::visible(m.section) + " in " + file_.path);
+  }
+}
+
 void Muscle::distribute() {
   for (const auto& cell : dofs_.active_cell_iterators()) {
     if (cell->is_locally_owned()) {
-      cell->set_active_fe_index(cell->reference_cell() == ReferenceCells::Wedge ? wedge_index : hex_index);
+      cell->set_active_fe_index(index_of(cell->reference_cell()));
     }
   }
   dofs_.distribute_dofs(elements_);
@@ -89,7 +132,8 @@ void Muscle::distribute() {
   x_.reinit(u_);
 }
 
-/// Muscle before tendon, hexahedra before wedges: a group has one law and one shape.
+/// One material after the other, in each hexahedra before wedges before tetrahedra: a group has one law and
+/// one shape.
 void Muscle::sort_cells() {
   double least = std::numeric_limits<double>::max(), most = -least;
   for (const auto& cell : dofs_.active_cell_iterators()) {
@@ -102,25 +146,50 @@ void Muscle::sort_cells() {
   proximal_.z = Utilities::MPI::min(least, comm_);
   distal_.z = Utilities::MPI::max(most, comm_);
   unknowns_->places.resize(unknowns_->owned.n_elements() / 3);
+  support_of_.assign((u_.locally_owned_size() + u_.get_partitioner()->n_ghost_indices()) / 3, -1);
+  node_X_.resize(3 * support_of_.size());
+  const auto shape_of = [&](const auto& cell) {
+    return cell->active_fe_index() == hex_index     ? Shape::hex
+           : cell->active_fe_index() == wedge_index ? Shape::wedge
+           : elements_[tet_index].degree == 2       ? Shape::tet10
+                                                    : Shape::tet;
+  };
+  const auto material_of = [&](const auto& cell) -> std::size_t {
+    if (file_.has_sections) return file_.cells[cell->id().get_coarse_cell_id()].section;
+    const double z = cell->center()[2];
+    return std::min(z - proximal_.z, distal_.z - z) < parameters_.tendon_length;
+  };
   std::size_t points = 0;
-  for (const bool tendon : {false, true}) {
-    for (const Shape shape : {Shape::hex, Shape::wedge}) {
-      Group group{shape, tendon, cells_.size(), 0, points};
+  std::vector<types::global_dof_index> indices;
+  for (std::size_t material = 0; material < materials_.size(); ++material) {
+    for (const Shape shape : all_shapes) {
+      Group group{shape, material, cells_.size(), 0, points};
       for (const auto& cell : dofs_.active_cell_iterators()) {
-        if (!cell->is_locally_owned() || (cell->active_fe_index() == hex_index) != (shape == Shape::hex))
-          continue;
-        const double z = cell->center()[2];
-        if ((std::min(z - proximal_.z, distal_.z - z) < parameters_.tendon_length) != tendon) continue;
+        if (!cell->is_locally_owned() || shape_of(cell) != shape || material_of(cell) != material) continue;
         first_node_.push_back(X_.size() / 3);
         first_point_.push_back(points);
+        const auto& fe = cell->get_fe();
+        indices.resize(fe.n_dofs_per_cell());
+        cell->get_dof_indices(indices);
         std::vector<unsigned> nodes;
         for (unsigned a = 0; a < static_cast<unsigned>(n_nodes(shape)); ++a) {
-          const unsigned v = vertex(shape, a);
-          const auto index = cell->vertex_dof_index(v, 0, cell->active_fe_index());
-          nodes.push_back(u_.get_partitioner()->global_to_local(index));
-          if (nodes.back() < unknowns_->owned.n_elements())
-            unknowns_->places[nodes.back() / 3] = cell->vertex(v);
-          for (unsigned i = 0; i < 3; ++i) X_.push_back(cell->vertex(v)[i]);
+          // Corners come first in deal.II too, and edges in the same order as in C3D10.
+          const bool corner = a < static_cast<unsigned>(n_corners(shape));
+          const unsigned v = corner ? vertex(shape, a) : a;
+          nodes.push_back(u_.get_partitioner()->global_to_local(indices[fe.component_to_system_index(0, v)]));
+          Point<3> X = corner ? cell->vertex(v) : Point<3>();
+          if (!file_.cells.empty()) {
+            const auto& from = file_.cells[cell->id().get_coarse_cell_id()];
+            const MeshFile::Place& p = file_.nodes[from.nodes[a]];
+            const Point<3> in_file(p[0], p[1], p[2]);
+            AssertThrow(!corner || in_file == X, ExcInternalError());
+            X = in_file;
+          }
+          for (unsigned i = 0; i < 3; ++i) {
+            X_.push_back(X[i]);
+            node_X_[nodes.back() + i] = X[i];
+          }
+          if (nodes.back() < unknowns_->owned.n_elements()) unknowns_->places[nodes.back() / 3] = X;
         }
         unknowns_->cell_nodes.push_back(nodes);
         cells_.push_back(cell);
@@ -130,7 +199,7 @@ void Muscle::sort_cells() {
       if (group.n > 0) groups_.push_back(group);
     }
   }
-  const auto stiff = Utilities::MPI::sum(groups_.empty() || !groups_.back().tendon ? 0u : 1u, comm_);
+  const auto stiff = Utilities::MPI::sum(groups_.empty() || grows(groups_.back()) ? 0u : 1u, comm_);
   if (parameters_.tendon_length > 0 && stiff == 0) {
     std::ostringstream text;
     text << "Tendon/Length = " << parameters_.tendon_length
@@ -208,9 +277,8 @@ void Muscle::find_ends() {
   }
 }
 
-void Muscle::find_supports() {
+void Muscle::find_end_supports() {
   const auto& nodes = unknowns_->cell_nodes;
-  support_.assign(u_.locally_owned_size() + u_.get_partitioner()->n_ghost_indices(), none);
   const bool clamp_proximal = parameters_.ends != "free", clamp_distal = parameters_.ends == "clamped";
   // Free ends: one node of the proximal end, the nearest to the z axis, holds that end's place, and a second
   // one, the farthest from it along x, its turn about z.
@@ -233,20 +301,216 @@ void Muscle::find_supports() {
       return rounded(-std::abs(p[0] - axis[0]) + 1e-3 * std::abs(p[1] - axis[1]));
     });
   }
+  Attachment still, moved;
+  moved.action.kind = Action::displaced;
+  moved.action.table = TimeTable({{0, 0}, {parameters_.ramp, 1}});
+  moved.vector[2] = parameters_.pull;
+  attachments_ = {still, moved};
+  proximal_attachment_ = 0;
+  distal_attachment_ = 1;
+  line_[2] = 1;
+  line_length_ = distal_.z - proximal_.z;
+  proximal_start_[2] = proximal_.z;
+  attachments_[0].action.surface = proximal_.name;
+  attachments_[1].action.surface = distal_.name;
   cell_supported_.assign(cells_.size(), 0);
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     for (std::size_t a = 0; a < nodes[c].size(); ++a) {
       const double* X = X_.data() + 3 * (first_node_[c] + a);
       const bool at_proximal = proximal_.has(X[2]), at_distal = distal_.has(X[2]);
-      Support* s = support_.data() + nodes[c][a];
-      if (at_proximal || at_distal) s[2] = at_distal ? pulled : held;
-      if ((at_proximal && clamp_proximal) || (at_distal && clamp_distal)) s[0] = s[1] = held;
-      if (!clamp_proximal && std::equal(X, X + 3, axis.begin())) s[0] = s[1] = held;
-      if (!clamp_proximal && std::equal(X, X + 3, far.begin())) s[1] = held;
-      for (int i = 0; i < 3; ++i) cell_supported_[c] |= s[i] != none;
+      std::array<bool, 3> held = {{false, false, at_proximal || at_distal}};
+      if ((at_proximal && clamp_proximal) || (at_distal && clamp_distal)) held[0] = held[1] = true;
+      if (!clamp_proximal && std::equal(X, X + 3, axis.begin())) held[0] = held[1] = true;
+      if (!clamp_proximal && std::equal(X, X + 3, far.begin())) held[1] = true;
+      if (!held[0] && !held[1] && !held[2]) continue;
+      cell_supported_[c] = true;
+      if (support_of_[nodes[c][a] / 3] >= 0) continue;
+      support_of_[nodes[c][a] / 3] = static_cast<int>(supports_.size());
+      Support support;
+      support.attachment = at_distal ? 1 : at_proximal ? 0 : -1;
+      for (unsigned i = 0; i < 3; ++i) {
+        if (held[i]) support.along[support.n++][i] = 1;
+      }
+      supports_.push_back(support);
     }
   }
-  support_step_.assign(support_.size(), 0);
+  support_step_.assign(node_X_.size(), 0);
+}
+
+/// The nodes of a facet as nodes of its cell, those between its corners included.
+std::vector<unsigned> Muscle::cell_nodes_of(const MeshFile::Facet& facet) const {
+  const MeshFile::Cell& cell = file_.cells[facet.cell];
+  std::vector<unsigned> nodes;
+  for (unsigned k = 0; k < facet.n; ++k) {
+    const auto found = std::find(cell.nodes.begin(), cell.nodes.end(), facet.nodes[k]);
+    nodes.push_back(static_cast<unsigned>(found - cell.nodes.begin()));
+  }
+  for (unsigned k = 0; k < 3 && cell.shape == Shape::tet10; ++k) {
+    for (unsigned e = 0; e < 6; ++e) {
+      if (std::minmax<unsigned>(nodes[k], nodes[(k + 1) % 3]) ==
+          std::minmax(static_cast<unsigned>(tet_edges[e][0]), static_cast<unsigned>(tet_edges[e][1])))
+        nodes.push_back(4 + e);
+    }
+  }
+  return nodes;
+}
+
+/// The surfaces of the mesh file to which something happens; told, and refused where they cannot be.
+void Muscle::find_attachments() {
+  const auto& given = parameters_.attachments;
+  std::vector<Action> actions = given.actions;
+  const TimeTable ramp({{0, 0}, {parameters_.ramp, 1}});
+  if (actions.empty()) {
+    Action fixed, away;
+    fixed.surface = given.proximal;
+    away.surface = given.distal;
+    away.kind = Action::away;
+    away.amount = 0.1;
+    away.table = ramp;
+    actions = {fixed, away};
+  }
+  const auto find = [&](const std::string& name, const std::string& entry) {
+    const MeshFile::Surface* found = file_.surface(name);
+    if (found == nullptr)
+      throw Error(entry + ": there is no surface " + common::visible(name) + " in " + file_.path +
+                  "; there are: " + file_.surface_names());
+    if (found->facets.empty())
+      throw Error(entry + ": surface " + common::visible(name) + " in " + file_.path + " has no facets");
+    return found;
+  };
+  // Area, centroid, mean outward normal; sign of a facet's d1 x d2.
+  const auto sign_of = [&](const MeshFile::Facet& facet, const std::vector<unsigned>& nodes) {
+    const MeshFile::Cell& cell = file_.cells[facet.cell];
+    const auto X = [&](unsigned a) {
+      const MeshFile::Place& p = file_.nodes[cell.nodes[a]];
+      return Point<3>(p[0], p[1], p[2]);
+    };
+    Point<3> middle;
+    for (int a = 0; a < n_corners(cell.shape); ++a)
+      middle += X(static_cast<unsigned>(a)) / n_corners(cell.shape);
+    const Tensor<1, 3> normal = cross_product_3d(X(nodes[1]) - X(nodes[0]), X(nodes[2]) - X(nodes[0]));
+    return normal * (X(nodes[0]) - middle) > 0 ? 1. : -1.;
+  };
+  const auto measure = [&](const MeshFile::Surface& surface) {
+    Attachment a;
+    for (const MeshFile::Facet& facet : surface.facets) {
+      const auto nodes = cell_nodes_of(facet);
+      const double sign = sign_of(facet, nodes);
+      for (const FacetPoint& q : facet_points(static_cast<unsigned>(nodes.size()))) {
+        Tensor<1, 3> x, x1, x2;
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+          const MeshFile::Place& p = file_.nodes[file_.cells[facet.cell].nodes[nodes[k]]];
+          const Tensor<1, 3> X({p[0], p[1], p[2]});
+          x += q.N[k] * X;
+          x1 += q.d1[k] * X;
+          x2 += q.d2[k] * X;
+        }
+        const Tensor<1, 3> n = q.weight * sign * cross_product_3d(x1, x2);
+        a.area += n.norm();
+        a.normal += n;
+        a.centroid += n.norm() * x;
+      }
+    }
+    a.centroid /= a.area;
+    a.normal /= a.area;
+    return a;
+  };
+  const Attachment from = measure(*find(given.proximal, "Attachments/Proximal")),
+                   to = measure(*find(given.distal, "Attachments/Distal"));
+  proximal_start_ = from.centroid;
+  line_ = to.centroid - from.centroid;
+  line_length_ = line_.norm();
+  if (!(line_length_ > 0))
+    throw Error("Attachments: the centroids of " + given.proximal + " and " + given.distal +
+                " are at one place");
+  line_ /= line_length_;
+
+  std::vector<int> of_node(file_.nodes.size(), -1);
+  std::map<std::size_t, std::vector<std::pair<int, const MeshFile::Facet*>>> loaded;
+  bool held = false;
+  for (const Action& action : actions) {
+    const MeshFile::Surface& surface = *find(action.surface, "Attachments/List");
+    Attachment a = measure(surface);
+    a.action = action;
+    const int index = static_cast<int>(attachments_.size());
+    const auto nodes = file_.nodes_of(surface);
+    a.nodes = static_cast<unsigned>(nodes.size());
+    for (const unsigned node : nodes) {
+      if (of_node[node] >= 0)
+        throw Error("Attachments: " + attachments_[static_cast<std::size_t>(of_node[node])].action.surface +
+                    " and " + action.surface + " touch, at " + file_.node(node));
+      of_node[node] = index;
+    }
+    held = held || (action.holds() && action.kind != Action::slides && action.kind != Action::slides_away);
+    if (surface.name == given.proximal) proximal_attachment_ = index;
+    if (surface.name == given.distal) distal_attachment_ = index;
+    const double toward = surface.name == given.proximal ? -1 : 1;
+    const bool stretches = action.kind == Action::away || action.kind == Action::slides_away;
+    const bool flat_enough = a.normal.norm() > 0.1;
+    if ((action.kind == Action::slides || action.kind == Action::slides_away) && !flat_enough)
+      throw Error("Attachments/List: " + action.surface +
+                  " cannot slide in its plane: it has none, its normals point to all sides");
+    a.normal /= std::max(a.normal.norm(), 1e-300);
+    if (!given.protocol.empty() && stretches) {
+      if (action.own_table)
+        throw Error("Attachments/List: " + action.surface + ": must have no 'at' with Attachments/Protocol");
+      a.action.table = given.stretching;
+      a.vector = toward * line_length_ * line_;
+    } else {
+      a.vector = stretches                       ? toward * action.amount * line_length_ * line_
+                 : action.kind == Action::slides ? action.amount * a.normal
+                                                 : action.vector;
+    }
+    if (!action.holds()) {
+      for (const MeshFile::Facet& facet : surface.facets) loaded[facet.cell].emplace_back(index, &facet);
+    }
+    static const char* const words[] = {"fixed",  "displaced", "displaced away", "turned",
+                                        "slides", "slides",    "pulled",         "pressed"};
+    say("attachment " + action.surface + ": " + words[action.kind] + ", " + std::to_string(a.nodes) +
+        " nodes, area " + number("%.7g", a.area));
+    attachments_.push_back(a);
+  }
+  if (!held)
+    throw Error(
+        "Attachments/List: must have an attachment that is fixed, displaced, away or turned: nothing "
+        "else holds the muscle in its place");
+  bool any_stretch = false;
+  for (const Attachment& a : attachments_)
+    any_stretch = any_stretch || a.action.kind == Action::away || a.action.kind == Action::slides_away;
+  if (!given.protocol.empty() && !any_stretch)
+    throw Error(
+        "Attachments/Protocol: needs an attachment that is 'away' or 'slides away' in Attachments/List");
+  say("attachments " + given.proximal + " and " + given.distal + ": " + number("%.7g", line_length_) +
+      " apart, between the centroids of their areas");
+
+  cell_supported_.assign(cells_.size(), 0);
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    const std::size_t in_file = cells_[c]->id().get_coarse_cell_id();
+    const auto& nodes = unknowns_->cell_nodes[c];
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      const int index = of_node[file_.cells[in_file].nodes[a]];
+      if (index < 0 || !attachments_[static_cast<std::size_t>(index)].action.holds()) continue;
+      cell_supported_[c] = true;
+      if (support_of_[nodes[a] / 3] >= 0) continue;
+      support_of_[nodes[a] / 3] = static_cast<int>(supports_.size());
+      const Attachment& attachment = attachments_[static_cast<std::size_t>(index)];
+      Support support;
+      support.attachment = index;
+      if (attachment.action.kind == Action::slides || attachment.action.kind == Action::slides_away) {
+        support.along[support.n++] = attachment.normal;
+      } else {
+        for (unsigned i = 0; i < 3; ++i) support.along[support.n++][i] = 1;
+      }
+      supports_.push_back(support);
+    }
+    const auto facets = loaded.find(in_file);
+    if (facets == loaded.end()) continue;
+    for (const auto& facet : facets->second) {
+      const auto of_cell = cell_nodes_of(*facet.second);
+      loads_[c].push_back({static_cast<std::size_t>(facet.first), of_cell, sign_of(*facet.second, of_cell)});
+    }
+  }
+  support_step_.assign(node_X_.size(), 0);
 }
 
 void Muscle::start_points() {
@@ -272,19 +536,6 @@ void Muscle::start_points() {
   if (inverted > 0)
     throw Error("Geometry: " + std::to_string(inverted) +
                 " integration points lie in cells that are inside out or flat");
-  together(comm_, [&] {
-    const FibreField field = make_fibre_field(parameters_.fibre);
-    for (std::size_t p = 0; p < n; ++p) {
-      const Point<3> place(places_[3 * p], places_[3 * p + 1], places_[3 * p + 2]);
-      const Tensor<1, 3> fibre = field(place);
-      const double unit[3] = {fibre[0], fibre[1], fibre[2]};
-      if (!myogrowth::normalise(unit, n0_.data() + 3 * p)) {
-        std::ostringstream text;
-        text << "Fibre: (" << fibre << ") at (" << place << "): must be finite and of a length > 0";
-        throw Error(text.str());
-      }
-    }
-  });
   // Forces below this are rounding, where nothing is loaded.
   force_floor_ = 1e-12 * parameters_.muscle.c2 * std::pow(Utilities::MPI::sum(volume, comm_), 2. / 3);
 }
@@ -297,9 +548,8 @@ std::string Muscle::describe(const Group& group, const Failure& failure, double 
       myogrowth::update_point(material(group), failure.F, n0_.data() + 3 * p, G_n_[p], lambda_n_[p], dt, u);
   std::ostringstream text;
   const CellId id = cells_[c]->id();
-  text << "no result (" << myogrowth::abi::text(status) << ") in "
-       << (group.shape == Shape::hex ? "hexahedron " : "wedge ")
-       << (parameters_.geometry.kind == "file" ? std::to_string(id.get_coarse_cell_id()) : id.to_string())
+  text << "no result (" << myogrowth::abi::text(status) << ") in " << name_of(group.shape) << ' '
+       << (file_.cells.empty() ? id.to_string() : std::to_string(file_.cells[id.get_coarse_cell_id()].label))
        << ", point " << failure.point + 1 << " at (" << places_[3 * p] << ", " << places_[3 * p + 1] << ", "
        << places_[3 * p + 2] << "), G = " << G_n_[p] << ", F = [";
   for (int i = 0; i < 3; ++i) {
@@ -308,21 +558,41 @@ std::string Muscle::describe(const Group& group, const Failure& failure, double 
   return text.str();
 }
 
-double Muscle::pull_at(double time) const {
-  return parameters_.pull * std::min(time / parameters_.ramp, 1.0);
-}
-
 /// What the supports have to go until `time`; where u_ has got there it is zero.
-void Muscle::prepare_supports(double time) {
-  const double pull = pull_at(time);
-  for (unsigned k = 0; k < support_.size(); ++k) {
-    if (support_[k] != none) support_step_[k] = (support_[k] == pulled ? pull : 0) - u_.local_element(k);
+void Muscle::prepare_supports(double time, double part) {
+  load_time_ = time;
+  load_part_ = part;
+  std::vector<double> factors;
+  for (const Attachment& a : attachments_) factors.push_back(a.action.table.at(time, part));
+  for (unsigned node = 0; node < support_of_.size(); ++node) {
+    if (support_of_[node] < 0) continue;
+    const Support& support = supports_[static_cast<std::size_t>(support_of_[node])];
+    Tensor<1, 3> step;
+    if (support.attachment >= 0) {
+      const auto index = static_cast<std::size_t>(support.attachment);
+      const Attachment& a = attachments_[index];
+      step = factors[index] * a.vector;
+      if (a.action.kind == Action::turned) {  // Rodrigues
+        const double angle = factors[index] * a.action.amount;
+        const Point<3> X(node_X_[3 * node], node_X_[3 * node + 1], node_X_[3 * node + 2]);
+        const Tensor<1, 3> arm = X - a.action.point, across = cross_product_3d(a.action.axis, arm);
+        const double half = std::sin(angle / 2);
+        step = std::sin(angle) * across + 2 * half * half * cross_product_3d(a.action.axis, across);
+      }
+    }
+    for (unsigned i = 0; i < 3; ++i) step[i] -= u_.local_element(3 * node + i);
+    step = support.held(step);
+    for (unsigned i = 0; i < 3; ++i) support_step_[3 * node + i] = step[i];
   }
   if (!parameters_.dense) return;
   constraints_.clear();
   constraints_.reinit(unknowns_->relevant);
-  for (unsigned k = 0; k < support_.size(); ++k) {
-    if (support_[k] == none) continue;
+  for (unsigned k = 0; k < node_X_.size(); ++k) {
+    if (support_of_[k / 3] < 0) continue;
+    const Support& support = supports_[static_cast<std::size_t>(support_of_[k / 3])];
+    Tensor<1, 3> along;
+    along[k % 3] = 1;
+    if (support.held(along).norm() == 0) continue;
     const auto index = u_.get_partitioner()->local_to_global(k);
     constraints_.add_line(index);
     constraints_.set_inhomogeneity(index, support_step_[k]);
@@ -330,18 +600,85 @@ void Muscle::prepare_supports(double time) {
   constraints_.close();
 }
 
-/// Takes the supported unknowns out of the matrix of a cell; what they do to the others goes to the right
-/// side.
+/// Takes the supported directions out of the matrix of a cell; what they do to the others goes to the right
+/// side. With S the projection onto the supported directions of a node and P = I - S its rows and columns
+/// become P K, K P and, on the diagonal, P K P + s S.
 void Muscle::take_supports(const Group& group, std::size_t cell, double* K) {
   const std::vector<unsigned>& nodes = unknowns_->cell_nodes[cell];
-  const std::size_t n = 3 * static_cast<std::size_t>(n_nodes(group.shape));
-  for (std::size_t j = 0; j < n; ++j) {
-    const unsigned k = nodes[j / 3] + static_cast<unsigned>(j % 3);
-    if (support_[k] == none) continue;
-    for (std::size_t i = 0; i < n; ++i) {
-      const unsigned row = nodes[i / 3] + static_cast<unsigned>(i % 3);
-      if (support_[row] == none) rhs_.local_element(row) -= K[n * i + j] * support_step_[k];
-      if (i != j) K[n * i + j] = K[n * j + i] = 0;
+  const auto n = nodes.size(), dofs = 3 * n;
+  (void)group;
+  std::array<double, 3 * most_nodes> step{};
+  for (std::size_t j = 0; j < dofs; ++j) step[j] = support_step_[nodes[j / 3] + j % 3];
+  for (std::size_t i = 0; i < dofs; ++i) {
+    double sum = 0;
+    for (std::size_t j = 0; j < dofs; ++j) sum += K[dofs * i + j] * step[j];
+    rhs_.local_element(nodes[i / 3] + static_cast<unsigned>(i % 3)) -=
+        sum;  // supported ones are taken out later
+  }
+  for (std::size_t b = 0; b < n; ++b) {
+    const int index = support_of_[nodes[b] / 3];
+    if (index < 0) continue;
+    const Support& support = supports_[static_cast<std::size_t>(index)];
+    double scale = 0;
+    for (std::size_t i = 0; i < 3; ++i) scale += std::abs(K[(dofs + 1) * (3 * b + i)]) / 3;
+    const auto project = [&](double* first, std::size_t stride) {
+      Tensor<1, 3> x({first[0], first[stride], first[2 * stride]});
+      x -= support.held(x);
+      for (unsigned i = 0; i < 3; ++i) first[i * stride] = x[i];
+    };
+    for (std::size_t i = 0; i < dofs; ++i) project(K + dofs * i + 3 * b, 1);
+    for (std::size_t j = 0; j < dofs; ++j) project(K + dofs * 3 * b + j, dofs);
+    for (std::size_t j = 0; j < 3; ++j) {
+      Tensor<1, 3> axis;
+      axis[static_cast<unsigned>(j)] = 1;
+      axis = support.held(axis);
+      for (std::size_t i = 0; i < 3; ++i)
+        K[dofs * (3 * b + i) + 3 * b + j] += scale * axis[static_cast<unsigned>(i)];
+    }
+  }
+}
+
+/// Subtracts the forces on the facets of a cell from its residual, and their derivatives from its stiffness.
+void Muscle::add_loads(std::size_t cell, const double* u, double* R, double* K) {
+  const auto found = loads_.find(cell);
+  if (found == loads_.end()) return;
+  const std::size_t dofs = 3 * unknowns_->cell_nodes[cell].size();
+  for (const LoadedFacet& facet : found->second) {
+    Attachment& a = attachments_[facet.attachment];
+    const double factor = a.action.table.at(load_time_, load_part_) / a.area;
+    const bool dead = a.action.kind == Action::pulled;
+    const std::size_t n = facet.nodes.size();
+    for (const FacetPoint& q : facet_points(static_cast<unsigned>(n))) {
+      Tensor<1, 3> x1, x2;
+      for (std::size_t k = 0; k < n; ++k) {
+        for (unsigned i = 0; i < 3; ++i) {
+          const double x =
+              X_[3 * (first_node_[cell] + facet.nodes[k]) + i] + (dead ? 0 : u[3 * facet.nodes[k] + i]);
+          x1[i] += q.d1[k] * x;
+          x2[i] += q.d2[k] * x;
+        }
+      }
+      const Tensor<1, 3> normal = facet.sign * cross_product_3d(x1, x2);
+      const double pressure = q.weight * factor * a.action.amount;
+      const Tensor<1, 3> force = dead ? q.weight * factor * normal.norm() * a.vector : pressure * normal;
+      a.force += force;
+      for (std::size_t k = 0; k < n; ++k) {
+        for (unsigned i = 0; i < 3; ++i) R[3 * facet.nodes[k] + i] -= q.N[k] * force[i];
+      }
+      if (K == nullptr || dead) continue;
+      for (std::size_t b = 0; b < n; ++b) {
+        for (unsigned j = 0; j < 3; ++j) {
+          Tensor<1, 3> axis;
+          axis[j] = 1;
+          const Tensor<1, 3> change =
+              pressure * facet.sign *
+              (q.d1[b] * cross_product_3d(axis, x2) + q.d2[b] * cross_product_3d(x1, axis));
+          for (std::size_t k = 0; k < n; ++k) {
+            for (unsigned i = 0; i < 3; ++i)
+              K[dofs * (3 * facet.nodes[k] + i) + 3 * facet.nodes[b] + j] -= q.N[k] * change[i];
+          }
+        }
+      }
     }
   }
 }
@@ -351,6 +688,7 @@ void Muscle::take_supports(const Group& group, std::size_t cell, double* K) {
 std::string Muscle::assemble(double dt, bool tangent) {
   ++costs_.checks;
   residual_ = 0;
+  for (Attachment& a : attachments_) a.force = Tensor<1, 3>();
   if (tangent) {
     rhs_ = 0;
     system_->clear();
@@ -364,20 +702,30 @@ std::string Muscle::assemble(double dt, bool tangent) {
     rhs_.compress(VectorOperation::add);
     system_->finish();
   }
-  std::array<double, 3> sums = {{0, 0, 0}};
-  for (unsigned k = 0; k < u_.locally_owned_size(); ++k) {
-    const double r = residual_.local_element(k);
-    sums[support_[k] == none ? 0 : 1] += r * r;
-    if (support_[k] == pulled) sums[2] += r;
+  std::array<double, 2> sums = {{0, 0}};  // of free and of supported directions
+  for (unsigned node = 0; 3 * node < u_.locally_owned_size(); ++node) {
+    Tensor<1, 3> r, b, held;
+    for (unsigned i = 0; i < 3; ++i) {
+      r[i] = residual_.local_element(3 * node + i);
+      b[i] = rhs_.local_element(3 * node + i) - r[i];
+    }
+    if (support_of_[node] >= 0) {
+      const Support& support = supports_[static_cast<std::size_t>(support_of_[node])];
+      held = support.held(r);
+      b -= support.held(b);
+      if (support.attachment >= 0) attachments_[static_cast<std::size_t>(support.attachment)].force += held;
+    }
+    sums[0] += (r - held).norm_square();
+    sums[1] += held.norm_square();
     if (tangent && !parameters_.dense) {
-      rhs_.local_element(k) = support_[k] == none ? rhs_.local_element(k) - r : 0;
+      for (unsigned i = 0; i < 3; ++i) rhs_.local_element(3 * node + i) = b[i];
     }
   }
-  sums = {{Utilities::MPI::sum(sums[0], comm_), Utilities::MPI::sum(sums[1], comm_),
-           Utilities::MPI::sum(sums[2], comm_)}};
-  free_norm_ = std::sqrt(sums[0]);
-  support_norm_ = std::sqrt(sums[1]);
-  reaction_ = sums[2];
+  free_norm_ = std::sqrt(Utilities::MPI::sum(sums[0], comm_));
+  support_norm_ = std::sqrt(Utilities::MPI::sum(sums[1], comm_));
+  for (Attachment& a : attachments_) a.force = Utilities::MPI::sum(a.force, comm_);
+  reaction_ =
+      distal_attachment_ < 0 ? 0 : attachments_[static_cast<std::size_t>(distal_attachment_)].force * line_;
   return {};
 }
 
@@ -426,6 +774,9 @@ std::string Muscle::assemble_compact(double dt, bool tangent) {
       }
       const Clock clock(costs_.insertion);
       for (std::size_t c = 0; c < n; ++c) {
+        if (!loads_.empty())
+          add_loads(cell + c, u.data() + dofs * c, R.data() + dofs * c,
+                    tangent ? K.data() + dofs * dofs * c : nullptr);
         for (std::size_t k = 0; k < dofs; ++k) {
           residual_.local_element(unknowns_->cell_nodes[cell + c][k / 3] + static_cast<unsigned>(k % 3)) +=
               R[dofs * c + k];
@@ -543,9 +894,29 @@ void Muscle::solve(double target) {
   }
 }
 
-Muscle::Attempt Muscle::step(double dt) {
+/// u_ at the end of a step as the polynomial through the last displacements has it.
+void Muscle::predict(double dt) {
+  const std::size_t n = std::min<std::size_t>(before_.size(), 2);
+  if (!parameters_.predict || n == 0 || dt == 0) return;
+  std::vector<double> times{time_};
+  for (std::size_t k = 0; k < n; ++k) times.push_back(before_[k].first);
+  const double t = time_ + dt;
+  const auto weight = [&](std::size_t k) {
+    double w = 1;
+    for (std::size_t m = 0; m < times.size(); ++m) {
+      if (m != k) w *= (t - times[m]) / (times[k] - times[m]);
+    }
+    return w;
+  };
+  u_ *= weight(0);
+  for (std::size_t k = 0; k < n; ++k) u_.add(weight(k + 1), before_[k].second);
+  u_.update_ghost_values();
+}
+
+Muscle::Attempt Muscle::step(double dt, double part) {
   if (parameters_.set_up_every_step) fresh_iterations_ = -1;
-  prepare_supports(time_ + dt);
+  predict(dt);
+  prepare_supports(time_ + dt, part);
   double moves = 0;
   for (const double s : support_step_) moves = std::max(moves, std::abs(s));
   moves = Utilities::MPI::max(moves, comm_);
@@ -575,27 +946,30 @@ Muscle::Attempt Muscle::step(double dt) {
     solve(target);
     if (last_iterations_ < 0) return {false, "GMRES did not converge"};
     ++costs_.newton;
-    for (unsigned k = 0; k < u_.locally_owned_size(); ++k) {
-      u_.local_element(k) += support_[k] == none ? x_.local_element(k) : support_step_[k];
+    for (unsigned node = 0; 3 * node < u_.locally_owned_size(); ++node) {
+      Tensor<1, 3> x;
+      for (unsigned i = 0; i < 3; ++i) x[i] = x_.local_element(3 * node + i);
+      if (support_of_[node] >= 0) x -= supports_[static_cast<std::size_t>(support_of_[node])].held(x);
+      for (unsigned i = 0; i < 3; ++i) u_.local_element(3 * node + i) += x[i] + support_step_[3 * node + i];
     }
     u_.update_ghost_values();
-    prepare_supports(time_ + dt);
+    prepare_supports(time_ + dt, part);
   }
 }
 
 /// The largest time error of G over the muscle's points, as the library estimates it.
 double Muscle::time_error(double dt) const {
-  const auto& m = parameters_.muscle;
-  const bool first_order = m.integration == myogrowth::TimeIntegration::backward_euler;
+  const bool first_order = parameters_.muscle.integration == myogrowth::TimeIntegration::backward_euler;
   double worst = 0;
   for (const Group& group : groups_) {
-    if (group.tendon) continue;
+    if (!grows(group)) continue;
+    const auto& law = material(group);
     const std::size_t n = group.n * static_cast<std::size_t>(n_points(group.shape));
     for (std::size_t p = group.first_point; p < group.first_point + n; ++p) {
-      const double error = first_order ? myogrowth::time_error_of_backward_euler(m.growth, m.removal, G_n_[p],
-                                                                                 lambda_n_[p], lambda_[p], dt)
-                                       : myogrowth::time_error_of_midpoint_flow(m.growth, m.removal, G_n_[p],
-                                                                                lambda_n_[p], lambda_[p], dt);
+      const double error = first_order ? myogrowth::time_error_of_backward_euler(
+                                             law.growth, law.removal, G_n_[p], lambda_n_[p], lambda_[p], dt)
+                                       : myogrowth::time_error_of_midpoint_flow(
+                                             law.growth, law.removal, G_n_[p], lambda_n_[p], lambda_[p], dt);
       worst = std::max(worst, error);
     }
   }
@@ -603,6 +977,8 @@ double Muscle::time_error(double dt) const {
 }
 
 void Muscle::commit(double dt) {
+  before_.insert(before_.begin(), {time_, u_n_});
+  if (before_.size() > 2) before_.pop_back();
   time_ += dt;
   G_n_ = G_;
   lambda_n_ = lambda_;
@@ -617,12 +993,42 @@ double Muscle::next_stop() const {
   const auto consider = [&](double t) {
     if (t > now) stop = std::min(stop, t);
   };
-  consider(parameters_.ramp);
+  for (const Attachment& a : attachments_) consider(a.action.table.next_row(time_));
   for (const double t : parameters_.output_times) consider(t);
   for (const double t : parameters_.times) {
     if (parameters_.steps == "listed") consider(t);
   }
   return stop;
+}
+
+/// Whether an attachment jumps now.
+bool Muscle::jumps() const {
+  return std::any_of(attachments_.begin(), attachments_.end(),
+                     [&](const Attachment& a) { return a.action.table.jumps_at(time_); });
+}
+
+/// Takes the attachments over a jump, without growth: in one go, or in parts where that is too far.
+void Muscle::jump() {
+  double done = 0;
+  for (double part = 1; done < 1;) {
+    const double to = std::min(1.0, done + part);
+    const Attempt attempt = step(0, to);
+    if (attempt.converged) {
+      done = to;
+      commit(0);
+      continue;
+    }
+    say("  jump at time " + number("%g", time_) + " is divided: " + attempt.why);
+    u_ = u_n_;
+    u_.update_ghost_values();
+    ++costs_.cuts;
+    fresh_iterations_ = -1;
+    part /= 2;
+    if (part < 1e-3)
+      throw Error("no jump is short enough at time " + number("%g", time_) + ": " + attempt.why);
+  }
+  before_.clear();
+  dt_ = std::min(dt_, parameters_.step);
 }
 
 bool Muscle::run(const volatile int& asked_to_end) {
@@ -640,19 +1046,24 @@ bool Muscle::run(const volatile int& asked_to_end) {
   }
   start_rows();
 
+  if (!parameters_.resume && jumps()) {
+    jump();
+    write_rows();
+  }
   const double shortest = shortest_step * parameters_.end;
   const double planned = parameters_.steps == "listed" ? parameters_.end : parameters_.step;
   while (time_ < parameters_.end * (1 - 1e-12)) {
     const double step_start = MPI_Wtime(), stop = next_stop();
     const bool adaptive = parameters_.steps == "adaptive";
     double dt = dt_;
-    if (adaptive)
-      dt = std::min(
-          dt, time_ < parameters_.ramp * (1 - 1e-12) ? parameters_.ramp / 10 : parameters_.longest_step);
+    if (adaptive) {
+      dt = std::min(dt, parameters_.longest_step);
+      for (const Attachment& a : attachments_) dt = std::min(dt, a.action.table.changing_for(time_) / 10);
+    }
     const bool to_stop = time_ + dt * 1.000001 >= stop;
     if (to_stop) dt = stop - time_;
 
-    Attempt attempt = step(dt);
+    Attempt attempt = step(dt, 0);
     double factor = 2;
     if (attempt.converged && adaptive) {
       const double error = time_error(dt);
@@ -666,6 +1077,7 @@ bool Muscle::run(const volatile int& asked_to_end) {
       ++costs_.cuts;
       fresh_iterations_ = -1;
       const bool time_is_too_long = attempt.converged;
+      if (!time_is_too_long) before_.clear();  // perhaps the prediction has led astray
       if (!time_is_too_long) say("  step of " + number("%g", dt) + " is halved: " + attempt.why);
       dt_ = dt * (time_is_too_long ? factor : 0.5);
       if (dt_ < shortest)
@@ -673,7 +1085,13 @@ bool Muscle::run(const volatile int& asked_to_end) {
       continue;
     }
     commit(dt);
-    if (to_stop) time_ = stop;  // to the last bit
+    if (to_stop) {
+      time_ = stop;  // to the last bit
+      const bool row = std::any_of(attachments_.begin(), attachments_.end(), [&](const Attachment& a) {
+        return a.action.table.at(stop, 0) != a.action.table.at(stop - dt / 2, 0);
+      });
+      if (row) before_.clear();  // an attachment has come to the end of a way
+    }
     if (adaptive) {
       dt_ = to_stop ? std::max(dt_, factor * dt) : factor * dt;
     } else {
@@ -681,7 +1099,11 @@ bool Muscle::run(const volatile int& asked_to_end) {
     }
     {
       const Clock clock(costs_.output);
-      write_history();
+      write_rows();
+      if (jumps()) {
+        jump();
+        write_rows();
+      }
       const auto& times = parameters_.output_times;
       const bool wanted =
           std::find(times.begin(), times.end(), time_) != times.end() || time_ == parameters_.end;

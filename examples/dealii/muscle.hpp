@@ -8,6 +8,7 @@
 #include <deal.II/hp/mapping_collection.h>
 #include <deal.II/lac/affine_constraints.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
@@ -37,8 +38,35 @@ class Muscle {
   /// Cells of one shape and one material, which follow one another in all arrays.
   struct Group {
     Shape shape;
-    bool tendon;
+    std::size_t material;
     std::size_t first_cell, n, first_point;
+  };
+  /// The nodes of a surface and what happens to them.
+  struct Attachment {
+    Action action;
+    dealii::Point<3> centroid;
+    dealii::Tensor<1, 3> normal, vector;  ///< mean outward one; displacement or force at factor 1
+    double area = 0;
+    unsigned nodes = 0;
+    dealii::Tensor<1, 3> force;  ///< on the muscle
+  };
+  /// Directions in which a node is held or moved. The others are free.
+  struct Support {
+    int attachment = -1;  ///< -1: held where it is
+    unsigned n = 0;
+    std::array<dealii::Tensor<1, 3>, 3> along;
+    /// The part of a vector along these directions.
+    dealii::Tensor<1, 3> held(const dealii::Tensor<1, 3>& x) const {
+      dealii::Tensor<1, 3> part;
+      for (unsigned d = 0; d < n; ++d) part += along[d] * (along[d] * x);
+      return part;
+    }
+  };
+  /// A facet of an owned cell that a force acts on.
+  struct LoadedFacet {
+    std::size_t attachment;
+    std::vector<unsigned> nodes;  ///< of the cell
+    double sign;                  ///< with which d1 x d2 is the outward normal
   };
   struct Attempt {
     bool converged = false;
@@ -46,29 +74,44 @@ class Muscle {
   };
 
   // muscle.cpp: set-up
+  void find_materials();
   void distribute();
   void sort_cells();
   void find_ends();
-  void find_supports();
+  void find_end_supports();
+  void find_attachments();
   void start_points();
+  std::vector<unsigned> cell_nodes_of(const MeshFile::Facet& facet) const;
+
+  // fibres.cpp
+  void find_fibres();
+  void flow_fibres();
+  void trace_fascicles();
 
   // muscle.cpp: a step
-  Attempt step(double dt);
+  Attempt step(double dt, double part);
+  void predict(double dt);
   std::string assemble(double dt, bool tangent);
   std::string assemble_compact(double dt, bool tangent);
   std::string assemble_dense(double dt);
   void take_supports(const Group& group, std::size_t cell, double* K);
-  void prepare_supports(double time);
+  void add_loads(std::size_t cell, const double* u, double* R, double* K);
+  void prepare_supports(double time, double part);
   void solve(double target);
   std::string describe(const Group& group, const Failure& failure, double dt) const;
   double time_error(double dt) const;
   void commit(double dt);
-  double pull_at(double time) const;
   double next_stop() const;
+  bool jumps() const;
+  void jump();
 
   // results.cpp
   void start_rows() const;
   void write_history() const;
+  void write_rows();
+  void find_regions();
+  void write_regions();
+  void write_fascicles() const;
   void log_newton(int iteration, double residual, int krylov) const;
   void write_fields();
   void find_fields();
@@ -84,15 +127,20 @@ class Muscle {
   void put_checkpoint_aside() const;
 
   const myogrowth::FibreGrowth<>& material(const Group& group) const {
-    return group.tendon ? tendon_ : parameters_.muscle;
+    return materials_[group.material].law;
+  }
+  bool grows(const Group& group) const { return materials_[group.material].grows; }
+  dealii::Point<3> place(std::size_t point) const {
+    return {places_[3 * point], places_[3 * point + 1], places_[3 * point + 2]};
   }
 
-  const Parameters parameters_;
+  Parameters parameters_;
   MPI_Comm comm_;
   unsigned rank_;
-  myogrowth::FibreGrowth<> tendon_;
+  std::vector<Parameters::Material> materials_;
+  MeshFile file_;  // empty where the mesh is made here
   std::unique_ptr<Mesh> mesh_;
-  dealii::hp::FECollection<3> elements_;  // wedge, hex: in this order deal.II 9.4 joins their nodes
+  dealii::hp::FECollection<3> elements_;  // wedge, hex, tet: in this order deal.II 9.4 joins their nodes
   dealii::hp::MappingCollection<3> mappings_;
   dealii::DoFHandler<3> dofs_;
   std::unique_ptr<Unknowns> unknowns_;
@@ -113,13 +161,39 @@ class Muscle {
   };
   End proximal_{"proximal", 0, -1}, distal_{"distal", 0, 1};
 
-  enum Support : unsigned char { none, held, pulled };
-  std::vector<Support> support_;      // local unknowns
-  std::vector<char> cell_supported_;  // whether a cell has one
+  std::vector<Attachment> attachments_;
+  dealii::Tensor<1, 3> line_;  // unit vector from the proximal to the distal attachment
+  double line_length_ = 0;
+  dealii::Point<3> proximal_start_;  // where it begins
+  int proximal_attachment_ = -1, distal_attachment_ = -1;
+  std::vector<Support> supports_;
+  std::vector<int> support_of_;       // local nodes: in supports_, or -1
+  std::vector<double> node_X_;        // local nodes: places before the deformation
+  std::vector<char> cell_supported_;  // whether a cell has a supported node
   std::vector<double> support_step_;  // local unknowns: what is left to go, 0 where not supported
+  std::map<std::size_t, std::vector<LoadedFacet>> loads_;  // of owned cells
+  double load_time_ = 0, load_part_ = 0;                   // of the step that is tried
+
+  struct Region {
+    std::string name;
+    std::vector<std::size_t> points;
+    double volume;
+  };
+  std::vector<Region> regions_;
+  /// A part of a streamline in an owned cell.
+  struct Piece {
+    int fascicle;
+    std::size_t cell, point;  // the point whose values hold
+    dealii::Tensor<1, 3> dX;
+    std::vector<double> dN;  // derivatives of the cell's shape functions over X
+  };
+  int n_fascicles_ = 0;
+  std::vector<Piece> pieces_;
+  std::map<std::string, double> found_;            // for summary.json
   dealii::AffineConstraints<double> constraints_;  // the same for the dense loop
 
   Vector u_, u_n_, residual_, rhs_, x_;
+  std::vector<std::pair<double, Vector>> before_;  // times and displacements of earlier steps, the last first
   double free_norm_ = 0, support_norm_ = 0, reaction_ = 0, force_floor_ = 0;
   double time_ = 0, dt_ = 0;
   int fresh_iterations_ = -1;  // of the first solve after the last set-up; -1: set up before the next

@@ -97,6 +97,7 @@ class Entries {
   }
 
   ParameterHandler& prm() { return prm_; }
+  const ParameterHandler& prm() const { return prm_; }
 
  private:
   void declare();
@@ -148,7 +149,7 @@ void Entries::declare() {
            "cylinder: hexahedra, along z, cut to pi r^2 l in spite of its straight edges; brick: hexahedra; "
            "file: hexahedra "
            "and wedges as examples/calculix/cylinder_mesh.py writes them. The ends are the planes of least "
-           "and largest z");
+           "and largest z. Mesh/File takes the place of all this");
     real("Length", "400", tiny, any, "of cylinder and brick, along z [length]");
     real("Radius", "10", tiny, any, "of the cylinder [length]");
     real("Width", "10", tiny, any, "of the brick, along x [length]");
@@ -158,6 +159,39 @@ void Entries::declare() {
     list("Cells", "4, 4, 4", Patterns::Integer(1, 10000), "three whole numbers from 1 to 10000", 3, 3,
          "of the brick along x, y, z [-]");
     word("File", "", "the mesh, if Kind = file; relative to the folder the program is started in");
+  });
+  section("Mesh", [&] {
+    word("File", "",
+         "a mesh with sections and surfaces, as ./run muscle writes it (docs/muscle.md); [length] is mm");
+    choice("Degree", "as the file", "as the file|1|2",
+           "of its tetrahedra: 2 puts a node into the middle of every edge, 1 drops such nodes");
+  });
+  section("Materials", [&] {
+    word("List", "",
+         "what the sections of Mesh/File are made of, parted by semicolons: NAME muscle, which has the "
+         "parameters of section Muscle but for NAME=VALUE that follow; or NAME tendon, which does not grow, "
+         "with c1 and c2 Tendon/Stiffness times those of Muscle or as c1=VALUE c2=VALUE that follow. A mesh "
+         "of "
+         "one section needs none: it is muscle");
+  });
+  section("Attachments", [&] {
+    word("List", "",
+         "what happens to surfaces of Mesh/File, parted by semicolons: NAME fixed; NAME displaced DX DY DZ; "
+         "NAME "
+         "away PART, displaced along the line between the attachments' centroids by this part of their "
+         "distance; "
+         "NAME turned PX PY PZ AX AY AZ DEGREES, about an axis through P; NAME slides D, displaced along its "
+         "mean outward normal and free to contract in its plane; NAME slides away PART; NAME pulled FX FY "
+         "FZ, a "
+         "force that keeps its direction; NAME pressed F, a force along its outward normals as they turn "
+         "[mm, mN]. 'at TIME:FACTOR TIME:FACTOR ...' may follow; else the factor grows to 1 until Time/Ramp. "
+         "Empty: Proximal fixed, Distal away 0.1");
+    word("Proximal", "PROXIMAL", "the surface that the line between the attachments begins at");
+    word("Distal", "DISTAL", "the surface that it ends at; history.csv has the force on it along this line");
+    word("Protocol", "",
+         "a study's file (docs/studies.md): its stretch - 1 takes the place of PART and factor of 'away' and "
+         "'slides away'; its parameters are not used");
+    real("Cycle", "0", 0, any, "the protocol starts again after so long; 0: never [time]");
   });
   section("Muscle", [&] {
     const myogrowth::FibreGrowth<> paper;  // its defaults
@@ -179,10 +213,17 @@ void Entries::declare() {
     real("Stiffness", "100", tiny, any, "of that layer, over the muscle's [-]");
   });
   section("Fibre", [&] {
-    choice("Kind", "uniform", "uniform|oblique|pennate|function|file",
-           "uniform: Direction; oblique: at Angle to z in the x-z plane; pennate: the same, inclined towards "
-           "the plane x = 0 "
-           "from either side; function: of the place; file: rows of x y z n1 n2 n3, the nearest row holds");
+    choice(
+        "Kind", "default", "default|flow|mesh|uniform|oblique|pennate|function|file",
+        "default: those of Mesh/File where it has any, else flow with Mesh/File, else uniform; flow: along "
+        "the "
+        "gradient of a potential that is 0 on the surface From, 1 on To and flows through no other; mesh: of "
+        "Mesh/File; uniform: Direction; oblique: at Angle to z in the x-z plane; pennate: the same, inclined "
+        "towards "
+        "the plane x = 0 "
+        "from either side; function: of the place; file: rows of x y z n1 n2 n3, the nearest row holds");
+    word("From", "PROXIMAL", "a surface of Mesh/File");
+    word("To", "DISTAL", "a surface of Mesh/File");
     list("Direction", "0, 0, 1", Patterns::Double(), "three numbers", 3, 3, "any length > 0");
     real("Angle", "0", -90, 90, "[degrees]");
     word("Function", "0; 0; 1", "three expressions in x, y, z, parted by semicolons; any length > 0");
@@ -221,6 +262,8 @@ void Entries::declare() {
     choice(
         "Set up", "when slow", "when slow|every step",
         "of the preconditioner: when slow: when it takes half as many iterations again as when it was new");
+    choice("Predictor", "true", "true|false",
+           "a step starts from the displacements that the last three suggest");
     choice(
         "Assembly", "compact", "compact|dense",
         "dense: the loop one would write first, to compare with: P and dP/dF of every point, 9 x 9 products, "
@@ -231,6 +274,9 @@ void Entries::declare() {
     word("Folder", "out/mpi", "of all results; made if it is not there");
     list("Times", "1, 7, 14, 28, 42", Patterns::Double(tiny, any), "numbers > 0", 0, 10000,
          "when fields are written, beside the end; steps end there; empty: none at all [time]");
+    real("Threshold", "1.05", tiny, any, "hot_spots.csv has the volume with lambda_e above this [-]");
+    whole("Fascicles", "40", 0, 10000,
+          "streamlines of the fibres that are traced from Attachments/Proximal [-]");
     whole("Checkpoint every", "20", 0, 1000000, "so many steps; 0: only on SIGTERM or SIGUSR1 [-]");
     choice("Resume", "false", "false|true|force",
            "true: go on from the checkpoint in Folder, on any number of ranks, if mesh, muscle and pull are "
@@ -256,6 +302,20 @@ Parameters values(ParameterHandler& prm) {
   p.geometry.file = prm.get("File");
   prm.leave_subsection();
 
+  prm.enter_subsection("Mesh");
+  if (!prm.get("File").empty()) {
+    p.geometry.kind = "mesh";
+    p.geometry.file = prm.get("File");
+  }
+  p.geometry.degree = prm.get("Degree");
+  prm.leave_subsection();
+
+  prm.enter_subsection("Attachments");
+  p.attachments.proximal = prm.get("Proximal");
+  p.attachments.distal = prm.get("Distal");
+  p.attachments.protocol = prm.get("Protocol");
+  prm.leave_subsection();
+
   prm.enter_subsection("Muscle");
   for (int i = 0; i < abi::n_props; ++i) {
     if (double* parameter = abi::parameter(p.muscle, i)) *parameter = prm.get_double(abi::property(i).symbol);
@@ -275,6 +335,9 @@ Parameters values(ParameterHandler& prm) {
 
   prm.enter_subsection("Fibre");
   p.fibre.kind = prm.get("Kind");
+  if (p.fibre.kind == "default" && p.geometry.kind != "mesh") p.fibre.kind = "uniform";
+  p.fibre.from = prm.get("From");
+  p.fibre.to = prm.get("To");
   p.fibre.direction = numbers(prm.get("Direction"));
   p.fibre.angle = prm.get_double("Angle") * std::acos(-1.0) / 180;
   p.fibre.function = prm.get("Function");
@@ -303,17 +366,64 @@ Parameters values(ParameterHandler& prm) {
   p.solver = prm.get("Preconditioner");
   p.krylov_tolerance = prm.get_double("Krylov tolerance");
   p.set_up_every_step = prm.get("Set up") == "every step";
+  p.predict = prm.get("Predictor") == "true";
   p.dense = prm.get("Assembly") == "dense";
   prm.leave_subsection();
 
   prm.enter_subsection("Output");
   p.folder = prm.get("Folder");
   p.output_times = numbers(prm.get("Times"));
+  p.threshold = prm.get_double("Threshold");
+  p.fascicles = static_cast<int>(prm.get_integer("Fascicles"));
   p.checkpoint_every = static_cast<int>(prm.get_integer("Checkpoint every"));
   p.resume = prm.get("Resume") != "false";
   p.force = prm.get("Resume") == "force";
   prm.leave_subsection();
   return p;
+}
+
+/// Materials/List, on the muscle of the section Muscle. Throws Error.
+std::vector<Parameters::Material> read_materials(const std::string& text, const Parameters& p) {
+  std::vector<Parameters::Material> materials;
+  std::istringstream list(text);
+  for (std::string item; std::getline(list, item, ';');) {
+    const auto fail = [&](const std::string& why) {
+      throw Error("Materials/List: '" + common::visible(item) + "': " + why);
+    };
+    std::istringstream words(item);
+    Parameters::Material material;
+    std::string kind, word;
+    if (!(words >> material.section)) continue;
+    if (!(words >> kind) || (kind != "muscle" && kind != "tendon"))
+      fail("expected NAME and muscle or tendon" +
+           (kind.empty() ? std::string() : ", found '" + common::visible(kind) + "'"));
+    material.grows = kind == "muscle";
+    material.law = material.grows ? p.muscle : p.tendon;
+    while (words >> word) {
+      const std::size_t equals = word.find('=');
+      const std::string name = word.substr(0, equals);
+      const int entry = abi::find_property(name.c_str());
+      double* parameter = abi::parameter(material.law, entry);
+      double value;
+      if (equals == std::string::npos || parameter == nullptr || (!material.grows && entry > 1))
+        fail("expected " + std::string(material.grows ? "a parameter of section Muscle" : "c1 or c2") +
+             " as NAME=VALUE, found '" + common::visible(word) + "'");
+      if (!common::to_number(word.substr(equals + 1), value))
+        fail("expected a number after " + name + "=, found '" + common::visible(word.substr(equals + 1)) +
+             "'");
+      *parameter = value;
+    }
+    double props[abi::n_props];
+    abi::write(material.law, props);
+    const int bad = abi::find_bad_entry(props);
+    if (bad >= 0)
+      fail(std::string(abi::property(bad).symbol) + " must be " + abi::text(abi::property(bad).allowed));
+    for (const auto& other : materials) {
+      if (other.section == material.section) fail("there is a material for " + material.section + " already");
+    }
+    materials.push_back(material);
+  }
+  return materials;
 }
 
 /// What one entry's range cannot say.
@@ -326,7 +436,24 @@ void check_together(const Entries& entries, Parameters& p) {
   const int bad = abi::find_bad_entry(props);
   if (bad >= 0)
     check(false, std::string("Muscle/") + abi::property(bad).symbol, abi::text(abi::property(bad).allowed));
+  p.tendon = p.muscle;
+  p.tendon.c1 *= p.tendon_stiffness;
+  p.tendon.c2 *= p.tendon_stiffness;
+  p.tendon.growth.lambda_crit = no_growth;
+  p.tendon.removal.tau_rev = 0;
   const auto& g = p.geometry;
+  const bool mesh = g.kind == "mesh";
+  const auto only_with_mesh = [&](const std::string& entry, bool given) {
+    check(mesh || !given, entry, "empty without Mesh/File");
+  };
+  const std::string actions = entries.prm().get({"Attachments"}, "List"),
+                    materials = entries.prm().get({"Materials"}, "List");
+  only_with_mesh("Attachments/List", !actions.empty());
+  only_with_mesh("Attachments/Protocol", !p.attachments.protocol.empty());
+  only_with_mesh("Materials/List", !materials.empty());
+  check(mesh || (p.fibre.kind != "flow" && p.fibre.kind != "mesh"), "Fibre/Kind",
+        "another one without Mesh/File");
+  check(!mesh || p.tendon_length == 0, "Tendon/Length", "0 with Mesh/File, whose tendons are sections");
   check(g.kind != "file" || !g.file.empty(), "Geometry/File", "the name of a file with Geometry/Kind = file");
   // More do not fit deal.II's 32-bit numbers of unknowns.
   constexpr double most_cells = 1e9;
@@ -338,9 +465,9 @@ void check_together(const Entries& entries, Parameters& p) {
         "the name of a file with Fibre/Kind = file");
   check(p.fibre.direction[0] != 0 || p.fibre.direction[1] != 0 || p.fibre.direction[2] != 0,
         "Fibre/Direction", "of a length > 0");
-  check(g.kind == "file" || 2 * p.tendon_length < g.length, "Tendon/Length",
+  check(g.kind == "file" || mesh || 2 * p.tendon_length < g.length, "Tendon/Length",
         "less than half of Geometry/Length");
-  check(g.kind == "file" || p.pull > -g.length, "Ends/Pull", "> -Geometry/Length");
+  check(g.kind == "file" || mesh || p.pull > -g.length, "Ends/Pull", "> -Geometry/Length");
 
   if (p.steps == "listed") {
     check(!p.times.empty(), "Time/Times", "at least one time with Time/Steps = listed");
@@ -368,6 +495,13 @@ void check_together(const Entries& entries, Parameters& p) {
           "apart by 1e-9 of the end, and > 0; " + common::text_of(p.output_times[i]) + " is not");
   }
 
+  p.attachments.actions = read_actions(actions, TimeTable({{0, 0}, {p.ramp, 1}}));
+  p.materials = read_materials(materials, p);
+  if (!p.attachments.protocol.empty())
+    p.attachments.stretching =
+        read_protocol(p.attachments.protocol, entries.prm().get_double({"Attachments"}, "Cycle"), p.end);
+
+  check(!(p.dense && mesh), "Solver/Assembly", "compact with Mesh/File");
   check(!(p.dense && p.volume == Volume::mean_dilatation), "Solver/Assembly",
         "compact with Muscle/Volume = mean dilatation");
   check(!(p.dense && p.solver == "GAMG"), "Solver/Assembly", "compact with Solver/Preconditioner = GAMG");
@@ -386,7 +520,9 @@ void Entries::read(const std::string& path) {
     if (word == "subsection" && section.empty()) {
       section = rows.text_from(1, "the name of a section");
       if (std::none_of(all_.begin(), all_.end(), [&](const Entry& e) { return e.section == section; }))
-        rows.unexpected(1, "a section: Geometry, Muscle, Tendon, Fibre, Ends, Time, Solver or Output");
+        rows.unexpected(1,
+                        "a section: Geometry, Mesh, Materials, Attachments, Muscle, Tendon, Fibre, Ends, "
+                        "Time, Solver or Output");
       if (!places.emplace(section, rows.place(1)).second)
         rows.fail(1, "section " + section + " is there already, in " + places[section]);
     } else if (word == "set" && !section.empty()) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "attachments.hpp"
 #include "element.hpp"
 #include "ranks.hpp"
 
@@ -24,6 +25,9 @@ inline std::string number(const char* format, double x) {
 /// The shortest step, over the time of the end, and the largest number of steps that a run may ask for.
 constexpr double shortest_step = 1e-9, most_steps = 1e6;
 
+/// An elastic stretch that tissue which does not grow never reaches.
+constexpr double no_growth = 1000;
+
 struct Parameters {
   struct Geometry {
     std::string kind;        ///< cylinder, brick or file
@@ -33,14 +37,31 @@ struct Parameters {
     int refinements;         ///< of the cylinder
     std::vector<int> cells;  ///< of the brick, along x, y and z
     std::string file;
+    std::string degree;  ///< of the file's tetrahedra: as the file, 1 or 2
   } geometry;
 
-  myogrowth::FibreGrowth<> muscle;
+  /// What a section of the mesh file is made of.
+  struct Material {
+    std::string section;
+    bool grows = true;  ///< else it is elastic: tendon, aponeurosis
+    myogrowth::FibreGrowth<> law;
+  };
+  std::vector<Material> materials;
+
+  struct Attachments {
+    std::vector<Action> actions;   ///< none: the proximal one fixed, the distal one 10 % away
+    std::string proximal, distal;  ///< surfaces: the line between their centroids
+    std::string protocol;          ///< a study's file, or empty
+    TimeTable stretching;          ///< the protocol's stretch - 1
+  } attachments;
+
+  myogrowth::FibreGrowth<> muscle, tendon;
   Volume volume;
   double tendon_length, tendon_stiffness;  ///< [length], [-]
 
   struct Fibre {
-    std::string kind;               ///< uniform, oblique, pennate, function or file
+    std::string kind;               ///< flow, mesh, uniform, oblique, pennate, function or file
+    std::string from, to;           ///< surfaces that the flow goes between
     std::vector<double> direction;  ///< uniform
     double angle;                   ///< oblique and pennate [rad]
     std::string function;           ///< three expressions in x, y, z
@@ -63,10 +84,13 @@ struct Parameters {
   std::string solver;       ///< ML or GAMG
   double krylov_tolerance;  ///< of a linear solve, over its right side [-]
   bool set_up_every_step;   ///< of the preconditioner; else when it has become slow
+  bool predict;             ///< from the last steps
   bool dense;               ///< the loop that one would write first, to compare with
 
   std::string folder;
   std::vector<double> output_times;
+  double threshold;      ///< of lambda_e, for hot_spots.csv [-]
+  int fascicles;         ///< number of streamlines
   int checkpoint_every;  ///< steps; 0: only when asked to end
   bool resume;           ///< go on from the checkpoint
   bool force;            ///< even if it is one of another run

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "element.hpp"
 #include "linear_system.hpp"
 
 namespace muscle {
@@ -25,7 +26,7 @@ class PetscSystem : public LinearSystem {
     petsc(MatMPIAIJSetPreallocation(matrix_, 3 * most_neighbours, nullptr, 3 * most_neighbours, nullptr));
     petsc(MatSeqAIJSetPreallocation(matrix_, 3 * most_neighbours, nullptr));
     petsc(MatSetOption(matrix_, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-    const std::vector<double> zeros(24 * 24, 0.0);
+    const std::vector<double> zeros(9 * most_nodes * most_nodes, 0.0);
     for (std::size_t c = 0; c < unknowns.cell_nodes.size(); ++c) add(c, zeros.data());
     finish();
     petsc(MatSetOption(matrix_, MAT_NEW_NONZERO_LOCATION_ERR, PETSC_TRUE));
@@ -71,7 +72,7 @@ class PetscSystem : public LinearSystem {
 
   void add(std::size_t cell, const double* K) override {
     const std::vector<unsigned>& nodes = unknowns_.cell_nodes[cell];
-    std::array<PetscInt, 8> blocks;
+    std::array<PetscInt, most_nodes> blocks;
     for (std::size_t a = 0; a < nodes.size(); ++a)
       blocks[a] = static_cast<PetscInt>(partitioner_.local_to_global(nodes[a]) / 3);
     const auto n = static_cast<PetscInt>(nodes.size());

@@ -12,6 +12,7 @@
 
 #include "../common/rows.hpp"
 #include "muscle.hpp"
+#include "results.hpp"
 
 namespace muscle {
 
@@ -23,23 +24,20 @@ const char* const history_columns =
     "time,reaction,lambda_e_max,lambda_e_mean,lambda_e_min,G_max,G_mean,G_min,x,y,z";
 const char* const newton_columns = "time,iteration,residual,krylov";
 
-/// Writes a whole file in the place of an older one, which is there until the new one is whole.
-void replace_file(const std::string& path, const std::string& text) {
-  const std::string part = path + ".part";
-  common::write_file(part, text);
-  if (std::rename(part.c_str(), path.c_str()) != 0) common::cannot_be(path, "written");
-}
-
-void append(const std::string& path, const std::string& text) {
-  common::Output out(path, "a");
-  out << text;
-  out.close();
-}
+/// The tables with several rows of one time, which have names in their second column.
+const std::pair<const char*, const char*> named_tables[] = {
+    {"regions.csv",
+     "time,region,volume,lambda_e_mean,lambda_e_p05,lambda_e_p50,lambda_e_p95,lambda_e_p99,G_mean,G_p05,G_"
+     "p50,"
+     "G_p95,G_p99"},
+    {"hot_spots.csv", "time,region,threshold,volume_above"},
+    {"attachments.csv", "time,attachment,force_x,force_y,force_z,force_along_line"},
+    {"fascicles.csv", "time,fascicle,length,length_0,lambda_e_mean,G_mean"}};
 
 /// The rows of a CSV file of an earlier run that a resumed one goes on from: those up to `time`, as `keep`
 /// says. What is no row is dropped, and told by `tell`.
 template <class Keep, class Tell>
-std::string rows_to_keep(const std::string& path, const std::string& columns, const Keep& keep,
+std::string rows_to_keep(const std::string& path, const std::string& columns, bool named, const Keep& keep,
                          const Tell& tell) {
   std::string kept;
   if (!std::filesystem::exists(path)) {
@@ -53,7 +51,7 @@ std::string rows_to_keep(const std::string& path, const std::string& columns, co
   while (rows.next()) {
     try {
       double time = rows.number(0, "the time");
-      for (std::size_t i = 1; i < n; ++i) rows.number(i, "column " + std::to_string(i + 1));
+      for (std::size_t i = named ? 2 : 1; i < n; ++i) rows.number(i, "column " + std::to_string(i + 1));
       rows.ends_after(n);
       if (keep(time)) kept += rows.text_from(0, columns) + "\n";
     } catch (const Error& e) {
@@ -64,6 +62,18 @@ std::string rows_to_keep(const std::string& path, const std::string& columns, co
 }
 
 }  // namespace
+
+void replace_file(const std::string& path, const std::string& text) {
+  const std::string part = path + ".part";
+  common::write_file(part, text);
+  if (std::rename(part.c_str(), path.c_str()) != 0) common::cannot_be(path, "written");
+}
+
+void append(const std::string& path, const std::string& text) {
+  common::Output out(path, "a");
+  out << text;
+  out.close();
+}
 
 void Muscle::say(const std::string& line) const {
   if (rank_ == 0) std::cout << line << std::endl;
@@ -77,7 +87,7 @@ void Muscle::write_history() const {
   std::array<double, 3> sums = {{0, 0, 0}};                        // volume, lambda_e, G
   const auto for_points = [&](auto visit) {
     for (const Group& group : groups_) {
-      const std::size_t n = group.tendon ? 0 : group.n * static_cast<std::size_t>(n_points(group.shape));
+      const std::size_t n = !grows(group) ? 0 : group.n * static_cast<std::size_t>(n_points(group.shape));
       for (std::size_t p = group.first_point; p < group.first_point + n; ++p) visit(p);
     }
   };
@@ -126,7 +136,7 @@ void Muscle::start_rows() const {
       const auto tell = [&](const std::string& line) { say(line); };
       int n = 0;
       rows = rows_to_keep(
-          history, history_columns,
+          history, history_columns, false,
           [&](double t) {
             const bool past = t <= time_ * (1 + 1e-9);
             n += past;
@@ -138,10 +148,20 @@ void Muscle::start_rows() const {
             ", the run made " + std::to_string(costs_.steps) + " steps" +
             (n < costs_.steps ? ": rows are missing" : ": there are rows that it did not write"));
       checks = rows_to_keep(
-          newton, newton_columns, [&](double t) { return t < time_ * (1 - 1e-9); }, tell);
+          newton, newton_columns, false, [&](double t) { return t < time_ * (1 - 1e-9); }, tell);
     }
     replace_file(history, std::string(history_columns) + "\n" + rows);
     replace_file(newton, std::string(newton_columns) + "\n" + checks);
+    for (const auto& table : named_tables) {
+      const std::string path = parameters_.folder + "/" + table.first;
+      if (table.first == std::string("fascicles.csv") && n_fascicles_ == 0) continue;
+      std::string kept;
+      if (parameters_.resume)
+        kept = rows_to_keep(
+            path, table.second, true, [&](double t) { return t <= time_ * (1 + 1e-9); },
+            [&](const std::string& line) { say(line); });
+      replace_file(path, std::string(table.second) + "\n" + kept);
+    }
   });
 }
 
@@ -170,7 +190,7 @@ void Muscle::write_fields() {
         means[k](cell) = static_cast<float>(sum / volume);
       }
       for (unsigned i = 0; i < 3; ++i) fibre[i](cell) = static_cast<float>(n0_[3 * first + i]);
-      tendon(cell) = group.tendon;
+      tendon(cell) = grows(group) ? 0 : 1;
     }
   }
   for (std::size_t k = 0; k < fields.size(); ++k)
@@ -241,7 +261,17 @@ void Muscle::write_summary(double seconds) const {
        << ", \"newton\": " << costs_.newton << ", \"checks\": " << costs_.checks
        << ", \"solves\": " << costs_.solves << ", \"iterations\": " << costs_.iterations
        << ", \"set_ups\": " << costs_.set_ups << ", \"megabytes\": " << megabytes
-       << ", \"seconds\": " << seconds << ", \"cpu\": {";
+       << ", \"seconds\": " << seconds << ", \"length\": " << line_length_
+       << ", \"threshold\": " << parameters_.threshold;
+  for (const auto& entry : found_) json << ", \"" << entry.first << "\": " << entry.second;
+  json << ", \"attachments\": {";
+  for (std::size_t k = 0; k < attachments_.size() && file_.has_sections; ++k)
+    json << (k ? ", " : "") << '"' << attachments_[k].action.surface
+         << "\": {\"nodes\": " << attachments_[k].nodes << ", \"area\": " << attachments_[k].area << "}";
+  json << "}, \"regions\": {";
+  for (std::size_t k = 0; k < regions_.size(); ++k)
+    json << (k ? ", " : "") << '"' << regions_[k].name << "\": " << regions_[k].volume;
+  json << "}, \"cpu\": {";
   std::ostringstream shares;
   double total = 0;
   for (const auto& entry : cpu) total += entry.second;
@@ -257,7 +287,8 @@ void Muscle::write_summary(double seconds) const {
       std::to_string(costs_.newton) + " Newton iterations, " + std::to_string(costs_.iterations) +
       " of GMRES in " + std::to_string(costs_.solves) + " solves; " + number("%.0f", megabytes) +
       " MB a rank; " + number("%.1f", seconds) + " s");
-  say(parameters_.folder + "/: history.csv, newton.csv, muscle.pvd and its files, summary.json");
+  say(parameters_.folder + "/: history.csv, regions.csv, hot_spots.csv, attachments.csv, " +
+      (n_fascicles_ > 0 ? "fascicles.csv, " : "") + "newton.csv, muscle.pvd and its files, summary.json");
 }
 
 }  // namespace muscle

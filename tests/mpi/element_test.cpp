@@ -23,13 +23,15 @@ struct Sample {
     static constexpr double hex[24] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0,
                                        0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1};
     static constexpr double wedge[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
+    static constexpr double tet[30] = {0,   0,   0, 1, 0,   0, 0, 1, 0,   0,   0, 1,   0.5, 0,   0,
+                                       0.5, 0.5, 0, 0, 0.5, 0, 0, 0, 0.5, 0.5, 0, 0.5, 0,   0.5, 0.5};
     std::mt19937 random(7);
     std::uniform_real_distribution<double> d(-1, 1);
     for (int c = 0; c < n; ++c) {
       for (int k = 0; k < dofs; ++k) {
-        const double x = shape == Shape::hex ? hex[k] : wedge[k];
-        X.push_back(2 * x + 0.2 * d(random));
-        u.push_back(0.1 * x * (k % 3 + 1) + 0.08 * d(random));
+        const double x = shape == Shape::hex ? hex[k] : shape == Shape::wedge ? wedge[k] : tet[k];
+        X.push_back(2 * x + (shape == Shape::tet10 ? 0.05 : 0.2) * d(random));
+        u.push_back(0.1 * x * (k % 3 + 1) + (shape == Shape::tet10 ? 0.03 : 0.08) * d(random));
       }
       for (int q = 0; q < points; ++q) {
         for (int i = 0; i < 3; ++i) n0.push_back(d(random));
@@ -93,7 +95,7 @@ TEST_P(Tangents, AreTheDerivativesOfTheResidual) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, Tangents,
-                         testing::Combine(testing::Values(Shape::hex, Shape::wedge),
+                         testing::Combine(testing::ValuesIn(all_shapes),
                                           testing::Values(Volume::pointwise, Volume::mean_dilatation),
                                           testing::Values(myogrowth::EnergyPer::reference_volume,
                                                           myogrowth::EnergyPer::grown_volume),
@@ -102,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(Elements, Tangents,
 
 // A homogeneous deformation: the points' forces are P:grad N, and J^ is det F.
 TEST(Element, GivesTheLawsStressAndState) {
-  for (Shape shape : {Shape::hex, Shape::wedge}) {
+  for (Shape shape : all_shapes) {
     for (Volume volume : {Volume::pointwise, Volume::mean_dilatation}) {
       Sample s(shape, 40);
       Eigen::Matrix3d F;
