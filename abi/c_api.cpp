@@ -6,6 +6,7 @@
 #include <myogrowth/more/left_stretch.hpp>
 #include <myogrowth/more/stress_states.hpp>
 
+#include "elastic_laws.hpp"
 #include "many.hpp"
 
 namespace {
@@ -18,6 +19,8 @@ struct Common {
   int n_state;
   double dt;
   int measure, n_stress;
+  bool has_law = false;  // an elastic law other than eq. 3
+  abi::LawChoice law{};
 };
 
 // The arrays of one point; or of the first of many, which lie one after the other.
@@ -41,13 +44,17 @@ void write_message(const char* text, char* message, int length) {
   if (message && length > 0) std::snprintf(message, static_cast<std::size_t>(length), "%s", text);
 }
 
-int check_props(const double* props, int n_props, abi::Properties& properties, abi::Text& text) {
+int check_props(const double* props, int n_props, Common& common, abi::Text& text) {
   if (!props) {
     abi::tell(text, "props = NULL: the constants are needed.");
     return MYOGROWTH_BAD_ARGUMENT;
   }
-  const bool fault = abi::find_props_fault(props, n_props, properties, text) ||
-                     abi::find_hybrid_fault("the C API", properties, text);
+  abi::Properties& properties = common.properties;
+  common.has_law = abi::asks_for_law(props, n_props);
+  const bool fault =
+      (common.has_law ? abi::find_law_fault(props, n_props, nullptr, nullptr, properties, common.law, text)
+                      : abi::find_props_fault(props, n_props, properties, text)) ||
+      abi::find_hybrid_fault("the C API", properties, text);
   return fault ? MYOGROWTH_BAD_PARAMETER : MYOGROWTH_OK;
 }
 
@@ -68,7 +75,7 @@ int check(const double* props, int n_props, const Point& first, Common& common, 
     return MYOGROWTH_BAD_ARGUMENT;
   }
   if (abi::find_room_fault("n_state", common.n_state, text)) return MYOGROWTH_BAD_ARGUMENT;
-  const int status = check_props(props, n_props, common.properties, text);
+  const int status = check_props(props, n_props, common, text);
   if (status != MYOGROWTH_OK) return status;
   if (abi::find_stretch_fault("n_state", common.n_state, common.properties, text))
     return MYOGROWTH_BAD_ARGUMENT;
@@ -97,6 +104,22 @@ int refuse(const Common& common, const Point& p, int status) {
   return status;
 }
 
+// Calls use(u, material, activation ...), with u what update_point of the material fills.
+template <class Use>
+UpdateStatus with_material(const Common& common, const Use& use) {
+  const FibreGrowth<double>& m = common.properties.material;
+  if (!common.has_law) {
+    PointUpdate<double> u;
+    return use(u, m);
+  }
+  UpdateStatus status = UpdateStatus::ok;
+  abi::with_chosen_law(common.law, m, [&](const auto& material, double activation) {
+    ElasticPointUpdate<double> u;
+    status = use(u, material, activation);
+  });
+  return status;
+}
+
 int update(const Common& common, const Point& p, abi::Text& text) {
   abi::Start start;
   UpdateStatus status = abi::find_start(p.state_in, common.n_state, common.properties, start, text);
@@ -104,23 +127,27 @@ int update(const Common& common, const Point& p, abi::Text& text) {
   double V[9];
   const bool turned = common.properties.local_basis && left_stretch(p.F, V);
   const double* F = turned ? V : p.F;
-  PointUpdate<double> u;
-  status = update_point(common.properties.material, F, start.n0, start.G, start.lambda, common.dt, u);
-  // det F can be 0 to the one and > 0 to the other, to rounding: F itself is then the wrong one.
-  if (status == UpdateStatus::ok && common.properties.local_basis && !turned) status = UpdateStatus::inverted;
-  if (status == UpdateStatus::ok) {
-    abi::convert(common.measure, F, u, p.stress, p.tangent);
-    const int n = common.n_stress;
-    const bool finite = are_finite(p.stress, n) && (!p.tangent || are_finite(p.tangent, n * n));
-    if (!finite) status = UpdateStatus::not_finite;
-  }
+  double state[abi::n_kept], psi = 0;
+  status = with_material(common, [&](auto& u, const auto& material, const auto&... activation) {
+    UpdateStatus made =
+        update_point(material, F, start.n0, start.G, start.lambda, common.dt, u, activation...);
+    // det F can be 0 to the one and > 0 to the other, to rounding: F itself is then the wrong one.
+    if (made == UpdateStatus::ok && common.properties.local_basis && !turned) made = UpdateStatus::inverted;
+    if (made == UpdateStatus::ok) {
+      abi::convert(common.measure, F, u, p.stress, p.tangent);
+      const int n = common.n_stress;
+      const bool finite = are_finite(p.stress, n) && (!p.tangent || are_finite(p.tangent, n * n));
+      if (!finite) made = UpdateStatus::not_finite;
+      abi::state_of(u, state);
+      psi = u.psi;
+    }
+    return made;
+  });
   if (status != UpdateStatus::ok) {
     abi::tell(text, "%s.", abi::text(status));
     return refuse(common, p, static_cast<int>(status));
   }
-  double state[abi::n_kept];
-  abi::state_of(u, state);
-  write(common, p, state, u.psi);
+  write(common, p, state, psi);
   return MYOGROWTH_OK;
 }
 
@@ -129,9 +156,9 @@ int update(const Common& common, const Point& p, abi::Text& text) {
 extern "C" {
 
 int myogrowth_check(const double* props, int n_props, char* message, int message_length) {
-  abi::Properties properties;
+  Common common{};
   abi::Text text = "";
-  const int status = check_props(props, n_props, properties, text);
+  const int status = check_props(props, n_props, common, text);
   write_message(text, message, message_length);
   return status;
 }
@@ -169,6 +196,17 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
   }
 
   int failed = 0;
+  const auto update_one = [&](int i) {
+    const int made = update(common, points.at(i, common), text);
+    if (status) status[i] = made;
+    if (made == MYOGROWTH_OK || ++failed > 1 || !message || message_length <= 0) return;
+    std::snprintf(message, static_cast<std::size_t>(message_length), "point %d (of 0 to %d): %s", i,
+                  n_points - 1, text);
+  };
+  if (common.has_law) {  // there are no packs of these laws
+    for (int i = 0; i < n_points; ++i) update_one(i);
+    return failed;
+  }
   abi::update_many(
       common.properties.material, dt, n_points, measure, tangent != nullptr,
       [&](int i, double(&F_i)[9], abi::Start& start) {
@@ -188,13 +226,7 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
         if (status) status[i] = MYOGROWTH_OK;
         return true;
       },
-      [&](int i) {
-        const int made = update(common, points.at(i, common), text);
-        if (status) status[i] = made;
-        if (made == MYOGROWTH_OK || ++failed > 1 || !message || message_length <= 0) return;
-        std::snprintf(message, static_cast<std::size_t>(message_length), "point %d (of 0 to %d): %s", i,
-                      n_points - 1, text);
-      });
+      update_one);
   return failed;
 }
 
@@ -208,19 +240,23 @@ int myogrowth_uniaxial(const double* props, int n_props, double stretch, const d
   if (made == MYOGROWTH_OK && abi::find_state_fault(state_in, n_state, common.properties, text))
     made = MYOGROWTH_BAD_STATE;
   if (made == MYOGROWTH_OK) {
-    PointUpdate<double> u;
-    double side = lateral ? *lateral : 0, slope;
-    UpdateStatus status = uniaxial_stress(common.properties.material, stretch, abi::number_at_start(state_in),
-                                          abi::stretch_at_start(state_in, n_state), dt, side, u, slope);
-    const double results[2] = {u.tau[0] / u.J, slope / u.J};
-    if (status == UpdateStatus::ok && !are_finite(results, 2)) status = UpdateStatus::not_finite;
+    double side = lateral ? *lateral : 0, results[2], state[abi::n_kept], psi = 0;
+    const double G = abi::number_at_start(state_in), last = abi::stretch_at_start(state_in, n_state);
+    const UpdateStatus status =
+        with_material(common, [&](auto& u, const auto& material, const auto&... activation) {
+          double slope;
+          const UpdateStatus found =
+              uniaxial_stress(material, stretch, G, last, dt, side, u, slope, activation...);
+          results[0] = u.tau[0] / u.J, results[1] = slope / u.J;
+          abi::state_of(u, state);
+          psi = u.psi;
+          return found == UpdateStatus::ok && !are_finite(results, 2) ? UpdateStatus::not_finite : found;
+        });
     made = static_cast<int>(status);
     if (status == UpdateStatus::ok) {
-      double state[abi::n_kept];
-      abi::state_of(u, state);
       for (int i = abi::fibre_entry; i < abi::n_kept && abi::keeps_fibre(n_state); ++i)
         state[i] = state_in[i];
-      write(common, p, state, u.psi);
+      write(common, p, state, psi);
       *stress = results[0];
       if (modulus) *modulus = results[1];
       if (lateral) *lateral = side;

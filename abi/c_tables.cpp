@@ -1,7 +1,7 @@
 // The C API's tables, texts and sizes: PROPS and STATEV as properties.hpp has them.
 #include <myogrowth/version.hpp>
 
-#include "faults.hpp"
+#include "elastic_laws.hpp"
 #include "myogrowth.h"
 
 namespace {
@@ -19,6 +19,12 @@ static_assert(MYOGROWTH_OK == static_cast<int>(UpdateStatus::ok) &&
 const abi::Property* prop(int i) { return 0 <= i && i < abi::n_props ? &abi::property(i) : nullptr; }
 const abi::StateVariable* state(int i) {
   return 0 <= i && i < abi::n_statev ? &abi::state_variable(i) : nullptr;
+}
+const abi::LawParameters* law_of(int law) {
+  return 1 <= law && law <= abi::n_laws ? &abi::parameters_of(static_cast<abi::Law>(law)) : nullptr;
+}
+const abi::Property* law_entry(int law, int i) {
+  return law_of(law) && 0 <= i && i < law_of(law)->size ? &law_of(law)->entry[i] : nullptr;
 }
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -60,6 +66,25 @@ double myogrowth_prop_default(int i) {
   return prop(i) && i >= abi::n_props_required ? prop(i)->initial : not_a_number;
 }
 int myogrowth_prop_index(const char* symbol) { return symbol ? abi::find_property(symbol) : -1; }
+
+int myogrowth_n_laws(void) { return abi::n_laws; }
+const char* myogrowth_law_name(int law) { return law_of(law) ? law_of(law)->name : nullptr; }
+int myogrowth_law_n_parameters(int law) { return law_of(law) ? law_of(law)->size : 0; }
+const char* myogrowth_law_symbol(int law, int i) {
+  return law_entry(law, i) ? law_entry(law, i)->symbol : nullptr;
+}
+const char* myogrowth_law_unit(int law, int i) {
+  return law_entry(law, i) ? law_entry(law, i)->unit : nullptr;
+}
+const char* myogrowth_law_meaning(int law, int i) {
+  return law_entry(law, i) ? law_entry(law, i)->meaning : nullptr;
+}
+const char* myogrowth_law_allowed(int law, int i) {
+  return law_entry(law, i) ? abi::text(law_entry(law, i)->allowed) : nullptr;
+}
+double myogrowth_law_default(int law, int i) {
+  return law_entry(law, i) ? law_entry(law, i)->initial : not_a_number;
+}
 
 int myogrowth_n_state(void) { return abi::n_statev; }
 int myogrowth_n_state_required(void) { return abi::n_statev_required; }

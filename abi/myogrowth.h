@@ -75,6 +75,25 @@ double myogrowth_prop_default(int i);
 /// Index of the entry of that symbol; -1 if there is none.
 int myogrowth_prop_index(const char* symbol);
 
+/// The elastic laws that props[18] chooses, 1 to 3 (docs/laws.md); 0, or no such entry, is the neo-Hookean
+/// law. With one of them props[0] and props[1] must be 0, props[19] is the activation, 0 to 1, and the law's
+/// parameters begin at props[20]. Those that props leaves out have their defaults.
+int myogrowth_n_laws(void);
+/// Name of a law; NULL if there is none.
+const char* myogrowth_law_name(int law);
+/// Number of its parameters; 0 if there is none.
+int myogrowth_law_n_parameters(int law);
+/// Symbol of its parameter i; NULL if there is none.
+const char* myogrowth_law_symbol(int law, int i);
+/// Unit of parameter i, "stress" or "-"; NULL if there is none.
+const char* myogrowth_law_unit(int law, int i);
+/// Meaning of parameter i, in words; NULL if there is none.
+const char* myogrowth_law_meaning(int law, int i);
+/// Allowed range of parameter i, in words; NULL if there is none.
+const char* myogrowth_law_allowed(int law, int i);
+/// Default of parameter i; NaN if there is none.
+double myogrowth_law_default(int law, int i);
+
 /// Entries of the state.
 int myogrowth_n_state(void);
 /// How many of them, the first ones, must be kept at least: 1, G.

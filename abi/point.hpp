@@ -58,8 +58,9 @@ inline double advised_factor(const Properties& p, double G_n, double lambda_n, d
 
 /// Stress, and the tangent unless it is null, in the measure asked for: 0 Cauchy, 6 and 36; 1 first
 /// Piola-Kirchhoff, 9 and 81; 2 second, 6 and 36. Layouts as in measures.hpp.
-inline void convert(int measure, const double F[9], const PointUpdate<double>& u, double* stress,
-                    double* tangent) {
+/// Point: what update_point of the material gives.
+template <class Point>
+void convert(int measure, const double F[9], const Point& u, double* stress, double* tangent) {
   double c[36];
   if (tangent && measure != 0) spatial_modulus(u, c);
   if (measure == 0) {

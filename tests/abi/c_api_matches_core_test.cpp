@@ -3,8 +3,12 @@
 #include <myogrowth.h>
 
 #include <algorithm>
+#include <myogrowth/elastic/blemker.hpp>
+#include <myogrowth/elastic/ehret.hpp>
+#include <myogrowth/elastic/roehrle.hpp>
 #include <myogrowth/more/left_stretch.hpp>
 #include <myogrowth/more/stress_states.hpp>
+#include <string>
 #include <vector>
 
 #include "../support/samples.hpp"
@@ -219,6 +223,97 @@ TEST(CApi, UniaxialSaysWhatItCannotTake) {
                                  nullptr, nullptr, 0),
               c.status);
   }
+}
+
+// The elastic laws: the core's results, one point or many, and a strip.
+template <class Law>
+void expect_law(int number, const Law& law) {
+  samples::Random r(67);
+  const FibreGrowthOf<Law> muscle{law, {0.5, 2, 1.1, 1.01}, {}, EnergyPer::grown_volume, {}};
+  std::vector<double> props = {0, 0, 0.5, 2, 1.1, 1.01, 1, 0.5, -0.3, 0, 1};
+  props.resize(20);
+  props[18] = number;
+  const int n = 40;
+  std::vector<double> F, state(9 * n, 0.0), out(9 * n), P(9 * n), dP_dF(81 * n), energy(n);
+  std::vector<int> status(n, -1);
+  props[19] = 0.25;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Matrix3d F_i = samples::rotation(r) * samples::deformation(r, 0.15);
+    F.insert(F.end(), F_i.data(), F_i.data() + 9);
+  }
+  const int n_props = static_cast<int>(props.size());
+  EXPECT_EQ(myogrowth_update_n(n, props.data(), n_props, F.data(), state.data(), out.data(), 9, 0.1,
+                               MYOGROWTH_FIRST_PIOLA, P.data(), dP_dF.data(), energy.data(), status.data(),
+                               nullptr, 0),
+            0);
+  for (std::size_t i = 0; i < n; ++i) {
+    State<> start;
+    start.n0 = {1, 0.5, -0.3};
+    const Eigen::Matrix3d F_i = Eigen::Map<const Eigen::Matrix3d>(&F[9 * i]);
+    const auto u = update(muscle, F_i, start, 0.1, 0.25);
+    ASSERT_TRUE(u.ok());
+    EXPECT_EQ(Eigen::Map<const Eigen::Matrix3d>(&P[9 * i]), u.first_piola());
+    EXPECT_EQ((Eigen::Map<const Mat9<double>>(&dP_dF[81 * i])), u.dP_dF());
+    EXPECT_EQ(energy[i], u.point.psi);
+    EXPECT_EQ(out[9 * i], u.state.G);
+    double sigma[6], tangent[36], one[9] = {};
+    EXPECT_EQ(myogrowth_update(props.data(), n_props, &F[9 * i], one, one, 9, 0.1, MYOGROWTH_CAUCHY, sigma,
+                               tangent, nullptr, nullptr, 0),
+              MYOGROWTH_OK);
+    EXPECT_EQ((Eigen::Map<const Vec6<double>>(sigma)), to_six(u.cauchy()));
+    EXPECT_EQ((Eigen::Map<const Mat6<double>>(tangent)), u.ddsdde());
+  }
+  double strip_state[9] = {}, sides = 0, lateral = 0, stress, modulus, slope;
+  ElasticPointUpdate<double> u;
+  ASSERT_EQ(myogrowth_uniaxial(props.data(), n_props, 1.1, strip_state, strip_state, 9, 0.1, &lateral,
+                               &stress, &modulus, nullptr, nullptr, 0),
+            MYOGROWTH_OK);
+  ASSERT_EQ(uniaxial_stress(muscle, 1.1, 1.0, 1.0, 0.1, sides, u, slope, 0.25), UpdateStatus::ok);
+  EXPECT_EQ(lateral, sides);
+  EXPECT_EQ(stress, u.tau[0] / u.J);
+  EXPECT_EQ(modulus, slope / u.J);
+  EXPECT_EQ(strip_state[0], u.G);
+  EXPECT_GT(strip_state[0], 1);
+}
+
+TEST(CApi, HasTheElasticLaws) {
+  expect_law(1, Roehrle<>());
+  expect_law(2, Blemker<>());
+  expect_law(3, Ehret<>());
+  EXPECT_EQ(myogrowth_n_laws(), 3);
+  EXPECT_EQ(std::string(myogrowth_law_name(2)), "Blemker");
+  EXPECT_EQ(myogrowth_law_n_parameters(2), 11);
+  EXPECT_EQ(std::string(myogrowth_law_symbol(3, 2)), "gamma_e");
+  EXPECT_EQ(std::string(myogrowth_law_unit(3, 2)), "stress");
+  EXPECT_EQ(std::string(myogrowth_law_meaning(1, 1)), "matrix, second invariant");
+  EXPECT_EQ(std::string(myogrowth_law_allowed(3, 7)), "> lambda_min");
+  EXPECT_EQ(myogrowth_law_default(1, 5), 1.4);
+  for (const int law : {-1, 0, 4}) {
+    EXPECT_EQ(myogrowth_law_name(law), nullptr);
+    EXPECT_EQ(myogrowth_law_n_parameters(law), 0);
+    EXPECT_EQ(myogrowth_law_symbol(law, 0), nullptr);
+    EXPECT_TRUE(std::isnan(myogrowth_law_default(law, 0)));
+  }
+  EXPECT_EQ(myogrowth_law_unit(1, 8), nullptr);
+  EXPECT_EQ(myogrowth_law_meaning(1, -1), nullptr);
+  EXPECT_EQ(myogrowth_law_allowed(1, 8), nullptr);
+}
+
+TEST(CApi, NamesWhatIsWrongWithAnElasticLaw) {
+  std::vector<double> props = {0, 0, 0.5, 2, 1.1, 1.01};
+  props.resize(21);
+  char message[400];
+  const auto check = [&] {
+    EXPECT_EQ(myogrowth_check(props.data(), static_cast<int>(props.size()), message, sizeof message),
+              MYOGROWTH_BAD_PARAMETER);
+    return std::string(message);
+  };
+  props[6] = 1, props[18] = 1, props[20] = 10, props[19] = -1;
+  EXPECT_EQ(check(), "PROPS(20) = -1: this host has no field variables; activation must be >= 0 and <= 1.");
+  props[19] = 0.5, props[17] = 1;
+  EXPECT_NE(check().find("PROPS(18) = 1: hybrid"), std::string::npos);
+  props[17] = 0, props[20] = -2;
+  EXPECT_EQ(check(), "PROPS(21) = -2: c10, matrix, must be finite and > 0.");
 }
 
 }  // namespace

@@ -60,6 +60,11 @@ struct Bytes {
       std::copy(removal, removal + 4, p.begin() + 13);
     }
     p.resize(n < 13 && !(options & 16) ? 6 + n : 17);
+    if (options >= 192) {  // an elastic law with its defaults
+      p.resize(20);
+      p[0] = p[1] = 0, p[6] = 1;
+      p[18] = 1 + n % 3, p[19] = 0.5 + 0.5 * mild();
+    }
     if (kind % 4 == 2) p[byte() % p.size()] = number();
     return p;
   }

@@ -147,7 +147,7 @@ constexpr int up_to_the_law = -1;  // OK, NOT_FINITE or INVERTED
 /// The status that the header promises a point that is alone.
 int promised(const Call& c) {
   if (c.null & of_all_needed || c.stress_size() == 0 || c.n_state < 1) return MYOGROWTH_BAD_ARGUMENT;
-  if (rules::props_are_faulty(c.props)) return MYOGROWTH_BAD_PARAMETER;
+  if (rules::props_are_faulty_with_laws(c.props)) return MYOGROWTH_BAD_PARAMETER;
   if (rules::has_no_room(c.props, c.state.size())) return MYOGROWTH_BAD_ARGUMENT;
   if (c.props.size() > 9 && c.props[9] != 0 && c.measure != MYOGROWTH_CAUCHY) return MYOGROWTH_BAD_PARAMETER;
   if (rules::state_is_faulty(c.props, c.state)) return MYOGROWTH_BAD_STATE;
@@ -267,9 +267,9 @@ void check_check(const Call& c) {
   Numbers all = c.props;
   const double* props = c.null & of_props ? nullptr : pointer(all);
   m.returned = myogrowth_check(props, n, c.null & of_message ? nullptr : message.text.data(), c.room);
-  const int expected = c.null & of_props                  ? MYOGROWTH_BAD_ARGUMENT
-                       : rules::props_are_faulty(c.props) ? MYOGROWTH_BAD_PARAMETER
-                                                          : MYOGROWTH_OK;
+  const int expected = c.null & of_props                            ? MYOGROWTH_BAD_ARGUMENT
+                       : rules::props_are_faulty_with_laws(c.props) ? MYOGROWTH_BAD_PARAMETER
+                                                                    : MYOGROWTH_OK;
   require(m.returned == expected && myogrowth_check(props, n, whole.text.data(), 500) == expected,
           "check: not the status that the header promises", c, m);
   require(whole.read() && (*whole.read() == '\0') == (expected == MYOGROWTH_OK),

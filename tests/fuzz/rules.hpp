@@ -73,6 +73,12 @@ inline bool law_is_faulty(Numbers p, double field) {
   return props_are_faulty(p, 18);
 }
 
+/// For routines that have the elastic laws, but neither field variables nor mixed elements.
+inline bool props_are_faulty_with_laws(const Numbers& p) {
+  if (p.size() < 19 || p[18] == 0) return props_are_faulty(p);
+  return law_is_faulty(p, NAN) || p[17] != 0;
+}
+
 /// Whether a state of n entries has room for what a step begins with.
 inline bool has_no_room(const Numbers& p, std::size_t n) { return n < (is_second_order(p) ? 3 : 1); }
 
