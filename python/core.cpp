@@ -91,6 +91,21 @@ py::list parameters() {
   return entries;
 }
 
+/// Name and parameters of every elastic law, those as above.
+py::list laws() {
+  py::list all;
+  for (int law = 1; law <= myogrowth_n_laws(); ++law) {
+    py::list entries;
+    for (int i = 0; i < myogrowth_law_n_parameters(law); ++i) {
+      entries.append(py::make_tuple(myogrowth_law_symbol(law, i), myogrowth_law_unit(law, i),
+                                    myogrowth_law_meaning(law, i), myogrowth_law_allowed(law, i),
+                                    myogrowth_law_default(law, i)));
+    }
+    all.append(py::make_tuple(myogrowth_law_name(law), entries));
+  }
+  return all;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_core, m) {
@@ -98,6 +113,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("simulate", &simulate);
   m.def("check", &check);
   m.def("parameters", &parameters);
+  m.def("laws", &laws);
   m.def("status_text", &myogrowth_status_text);
   m.def("version", &myogrowth_version_text);
 }

@@ -11,6 +11,9 @@
     step.stress, step.tangent, step.state                    # (..., 3, 3), (..., 3, 3, 3, 3)
     step = myogrowth.update(muscle, F_next, dt=0.1, state=step.state)
 
+    active = myogrowth.Parameters(elastic=myogrowth.law("Blemker", kappa=500))        # another elasticity than eq. 3
+    step = myogrowth.update(active, F, dt=0.1, activation=0.5)
+
 Arrays are in NumPy's natural order: F[..., i, J], dP_dF[..., i, J, k, L]. Nothing that comes in is changed; the GIL is
 released while the law works, so threads may call it side by side. Units are yours, one for stress and one for time.
 
@@ -33,8 +36,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 
 __version__: str = _core.version()
-__all__ = ["History", "MyogrowthError", "Parameter", "Parameters", "State", "Status", "Step", "parameters",
-           "simulate", "update"]
+__all__ = ["History", "Law", "MyogrowthError", "Parameter", "Parameters", "State", "Status", "Step", "law",
+           "law_parameters", "parameters", "simulate", "update"]
 
 Floats = NDArray[np.float64]
 Measure = Literal["cauchy", "first_piola", "second_piola"]
@@ -180,6 +183,38 @@ def _names_unknown(cls: _Class) -> _Class:
     return cls
 
 
+@dataclasses.dataclass(frozen=True)
+class Law:
+    """An elastic law other than the neo-Hookean one, made by `law`."""
+
+    name: str  #: "Roehrle", "Blemker" or "Ehret"
+    values: Tuple[float, ...]  #: its parameters, in the order of `law_parameters`
+
+
+_LAWS = {name: table for name, table in _core.laws()}
+
+
+def _law_table(name: Any) -> Any:
+    if not isinstance(name, str) or name not in _LAWS:
+        raise ValueError(f"law {_shown(name)}: must be {' or '.join(map(repr, _LAWS))}")
+    return _LAWS[name]
+
+
+def law_parameters(name: str) -> Tuple[Parameter, ...]:
+    """Name, unit, meaning, what is allowed, and published default of every parameter of a law."""
+    return tuple(Parameter(*entry) for entry in _law_table(name))
+
+
+def law(name: str, **values: float) -> Law:
+    """An elastic law for Parameters(elastic=...): "Roehrle", "Blemker" or "Ehret", with its published parameters but for
+    those given by name. `law_parameters(name)` lists them; they are checked when the Parameters are made."""
+    symbols = [symbol for symbol, *_ in _law_table(name)]
+    for given in values:
+        if given not in symbols:
+            raise TypeError(f"law {name!r} has no {given!r}: it has {', '.join(symbols)}")
+    return Law(name, tuple(_number(p.name, values.get(p.name, p.default)) for p in law_parameters(name)))
+
+
 @_names_unknown
 @dataclasses.dataclass(frozen=True)
 class Parameters:
@@ -200,10 +235,13 @@ class Parameters:
     gamma_rev: float = 0.0  #: shape exponent of removal [-], >= 0
     G_min: float = 0.0  #: smallest relative serial sarcomere number [-], > 0 and < 1
     lambda_crit_rev: float = 0.0  #: elastic stretch below which they are removed [-], > 0 and <= lambda_crit
+    elastic: Optional[Law] = None  #: an elastic law in the place of eq. 3, which c1 and c2 belong to
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             name, value = field.name, getattr(self, field.name)
+            if name == "elastic":
+                continue
             if name in _CHOICES:
                 if not isinstance(value, str) or value not in _CHOICES[name]:
                     raise MyogrowthError(Status.BAD_PARAMETER, None,
@@ -214,17 +252,33 @@ class Parameters:
             except ValueError:
                 raise MyogrowthError(Status.BAD_PARAMETER, None,
                                      f"{name} = {_shown(value)}: must be a number, real and in the range of double") from None
+        if self.elastic is not None:
+            if not isinstance(self.elastic, Law):
+                raise TypeError(f"elastic: must be a Law, made by law(name), or None, is {_shown(self.elastic)}")
+            if len(self.elastic.values) != len(_law_table(self.elastic.name)):
+                raise ValueError(f"elastic: {self.elastic.name} has {len(_law_table(self.elastic.name))} parameters")
+            for name in ("c1", "c2"):
+                if getattr(self, name) != getattr(Parameters, name):
+                    raise MyogrowthError(Status.BAD_PARAMETER, None, f"{name} = {getattr(self, name):g}: is of the "
+                                         f"neo-Hookean law, and the elastic law is {self.elastic.name}")
         status, message = _core.check(self._props())
         if status != Status.OK:
             raise MyogrowthError(status, None, _by_name(message))
 
-    def _props(self) -> Floats:
+    def _props(self, activation: Any = 0.0) -> Floats:
         """PROPS of the C API. The fibre is left out: it comes with the state, and 0 is then an error."""
+        activation = _number("activation", activation)
+        if not 0 <= activation <= (1 if self.elastic else 0):
+            raise MyogrowthError(Status.BAD_PARAMETER, None, f"activation = {activation:g}: must be "
+                                 + (">= 0 and <= 1" if self.elastic else "0: the neo-Hookean law has no active force"))
         props = np.zeros(len(_SYMBOLS))
         for i, symbol in enumerate(_SYMBOLS):
             if hasattr(self, symbol):
                 value = getattr(self, symbol)
                 props[i] = _CHOICES[symbol].index(value) if symbol in _CHOICES else value
+        if self.elastic:
+            props[:2] = 0
+            props = np.concatenate([props, [1 + list(_LAWS).index(self.elastic.name), activation], self.elastic.values])
         return props
 
 
@@ -243,6 +297,8 @@ def parameters() -> Tuple[Parameter, ...]:
     table = {symbol: (unit, meaning, allowed) for symbol, unit, meaning, allowed, _ in _core.parameters()}
     listed = []
     for field in dataclasses.fields(Parameters):
+        if field.name == "elastic":  # no number: law_parameters() lists those of a law
+            continue
         unit, meaning, allowed = table[field.name]
         if field.name in _CHOICES:
             meaning = {"energy": "volume that psi is counted per", "integration": "of eq. 4 in time"}[field.name]
@@ -312,7 +368,7 @@ def _why(status: int, F: Floats, G: float, stretch: float, n0: Floats) -> str:
 
 
 def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), *, measure: Measure = "cauchy",
-           tangent: bool = False, raise_on_failure: bool = True) -> Step:
+           tangent: bool = False, raise_on_failure: bool = True, activation: float = 0.0) -> Step:
     """One step of length dt [time] to the deformation gradient F (..., 3, 3), F[..., i, J], at its end.
 
     dt <= 0 is an elastic step. state: where the points come from, by default unstretched, G = 1, fibre along x.
@@ -325,7 +381,8 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
     "second_piola"    S[I, J]             dS_dE[I, J, K, L] = dS_IJ/dE_KL
     ================  ==================  ============================================================================
 
-    The tangent is that of this discrete step, growth included; where the muscle grows it is unsymmetric.
+    The tangent is that of this discrete step, growth included; where the muscle grows it is unsymmetric. activation: of
+    an elastic law, from 0 to 1, constant over the step, for all points.
 
     MyogrowthError names the first point that has no result. With raise_on_failure=False there is none: `status` and
     `failed` say which points failed; their state is the one that came in and all else of them is NaN.
@@ -353,7 +410,7 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
 
     columns = np.ascontiguousarray(F.swapaxes(-1, -2)).reshape(-1, 9)
     stress, moduli, energy, after, status, _ = _core.update(
-        muscle._props(), columns, before.reshape(-1, 8), dt, _MEASURES[measure], tangent)
+        muscle._props(activation), columns, before.reshape(-1, 8), dt, _MEASURES[measure], tangent)
     status, after = status.reshape(points), after.reshape(*points, 8)
     failed = status != Status.OK
     if raise_on_failure and failed.any():
@@ -392,12 +449,13 @@ class History:
     J: Floats  #: volume ratio [-]
 
 
-def simulate(muscle: Parameters, time: ArrayLike, stretch: ArrayLike, *, G: float = 1.0) -> History:
+def simulate(muscle: Parameters, time: ArrayLike, stretch: ArrayLike, *, G: float = 1.0,
+             activation: float = 0.0) -> History:
     """A strip of muscle pulled along its fibre, sides free of force: growth and stress over a history of stretch.
 
     time: (n,), increasing [time]. stretch: (n,), or one number, the total fibre stretch at these times [-]. The steps
     are those between the times, and the first time is the start: nothing has grown there yet. G: the sarcomere number
-    at the start.
+    at the start. activation: of an elastic law, from 0 to 1, constant over the history.
 
     Backward Euler is of first order: halve the steps to see their error, or take integration="midpoint_flow".
     MyogrowthError names the row (`point`) that has no result.
@@ -421,7 +479,7 @@ def simulate(muscle: Parameters, time: ArrayLike, stretch: ArrayLike, *, G: floa
     G = _number("G", G)
     if not _positive(G):
         raise MyogrowthError(Status.BAD_STATE, None, f"G = {G:g}: must be > 0 and finite")
-    rows, status, done = _core.simulate(muscle._props(), np.ascontiguousarray(time), stretch, G)
+    rows, status, done = _core.simulate(muscle._props(activation), np.ascontiguousarray(time), stretch, G)
     if status != Status.OK:
         text = "a result is beyond the range of double" if status == Status.NOT_FINITE else _core.status_text(status)
         raise MyogrowthError(status, (done,), f"stretch = {stretch[done]:g} at time {time[done]:g}: {_by_name(text)}")

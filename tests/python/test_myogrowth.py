@@ -472,3 +472,52 @@ def test_the_page_that_says_how_to_start(capsys):
     first, *table = capsys.readouterr().out.splitlines()
     assert [float(x) for x in first.split()] == pytest.approx([1.0606199, 1.0887300], abs=1e-6)
     assert len(table) == len(parameters()) and table[0].startswith("c1 stress > -2/3 c2")
+
+
+# ---- Elastic laws
+
+LAWS = {"Roehrle": 8, "Blemker": 11, "Ehret": 8}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_elastic_law_grows_and_its_tangent_is_the_derivative(name):
+    muscle = Parameters(elastic=myogrowth.law(name))
+    state = State(n0=(1, 0.5, -0.3))
+    F = np.eye(3) + 0.12 * np.array([[1, 0.3, 0], [-0.2, 0.1, 0.2], [0, 0.1, -0.3]])
+    step = update(muscle, F, 0.1, state, measure="first_piola", tangent=True, activation=0.2)
+    assert step.state.G > 1 and step.state.G == update(MUSCLE, F, 0.1, state).state.G  # eq. 4 needs the stretch only
+    h = 1e-6
+    for k in range(3):
+        for L in range(3):
+            d = np.zeros((3, 3))
+            d[k, L] = h
+            difference = (update(muscle, F + d, 0.1, state, measure="first_piola", activation=0.2).stress
+                          - update(muscle, F - d, 0.1, state, measure="first_piola", activation=0.2).stress) / (2 * h)
+            assert np.abs(difference - step.tangent[:, :, k, L]).max() < 1e-6 * np.abs(step.tangent).max()
+    passive = update(muscle, F, 0.1, state, measure="first_piola")
+    assert np.abs(step.stress - passive.stress).max() > 1  # kPa: it is active
+    assert simulate(muscle, [0, 1], 1.1).G[-1] == simulate(MUSCLE, [0, 1], 1.1).G[-1]
+    assert len(myogrowth.law_parameters(name)) == LAWS[name] and pickle.loads(pickle.dumps(muscle)) == muscle
+
+
+def test_elastic_law_of_4C():
+    # The passive cube of 4C's regression test: sides free, the fibre compressed to a half.
+    muscle = Parameters(elastic=myogrowth.law("Ehret", alpha=15, beta=1, gamma_e=5, kappa=100, w0=0.8))
+    assert simulate(muscle, [0], 0.5).cauchy[0] == pytest.approx(-25.913195669478583, abs=1e-12)
+
+
+@pytest.mark.parametrize("wrong, message", [
+    (lambda: myogrowth.law("Hill"), "law 'Hill': must be 'Roehrle' or 'Blemker' or 'Ehret'"),
+    (lambda: myogrowth.law("Ehret", G1=1), "law 'Ehret' has no 'G1': it has alpha, beta"),
+    (lambda: myogrowth.law("Ehret", alpha="x"), "alpha: must be numbers"),
+    (lambda: Parameters(elastic=myogrowth.law("Ehret", w0=1.1)), "^w0 = 1.1: weight of the isotropic part, must be finite and >= 0"),
+    (lambda: Parameters(elastic="Ehret"), "elastic: must be a Law"),
+    (lambda: Parameters(elastic=myogrowth.law("Ehret"), c1=20), "c1 = 20: is of the neo-Hookean law, and the elastic law is Ehret"),
+    (lambda: Parameters(elastic=myogrowth.law("Ehret"), G_max=0.9), "^G_max = 0.9: largest"),
+    (lambda: update(MUSCLE, np.eye(3), 0.1, activation=0.5), "activation = 0.5: must be 0: the neo-Hookean law"),
+    (lambda: update(Parameters(elastic=myogrowth.law("Blemker")), np.eye(3), 0.1, activation=1.5), "activation = 1.5: must be >= 0 and <= 1"),
+    (lambda: simulate(Parameters(elastic=myogrowth.law("Blemker")), [0], 1.1, activation=-1), "activation = -1: must be >= 0"),
+])
+def test_what_is_wrong_with_an_elastic_law_is_named(wrong, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        wrong()
