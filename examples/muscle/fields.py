@@ -24,8 +24,8 @@ FIBRES = ("fibre", "fiber", "fibres", "fibers", "f0", "n0", "fibre_direction", "
 
 
 def named(name):
-    """A name as sets have it here: upper case, without blanks."""
-    return "_".join(str(name).upper().split())
+    """A name as sets have it here: upper case, ASCII, without blanks."""
+    return "_".join(str(name).upper().encode("ascii", "backslashreplace").decode().split())
 
 
 class _Msh:

@@ -57,6 +57,17 @@ class Deck:
 
     # ---- Lines and cards
 
+    def text_of(self, path):
+        """Decks of Windows have other letters in their comments and names than UTF-8's."""
+        data = files.read_bytes(path)
+        try:
+            data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            if data[:2] not in (b"\xff\xfe", b"\xfe\xff"):
+                self.raw.notes.append(f"{path} is not UTF-8: read as Latin-1")
+                return data.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n")
+        return files.read_text(path)
+
     def lines(self, path, chain=()):
         """(place, text, path) of a file's lines and of those that it includes; comments are left out."""
         if path.resolve() in chain:
@@ -64,7 +75,7 @@ class Deck:
         chain, number = (*chain, path.resolve()), len(self.raw.places)
         self.raw.places.append(path)
         include = ""
-        for line, text in enumerate(files.read_text(path).split("\n"), 1):
+        for line, text in enumerate(self.text_of(path).split("\n"), 1):
             text = text.strip()
             if not text or text.startswith("**"):
                 continue
@@ -392,7 +403,9 @@ class Deck:
         if scopes and self.top.elements:
             self.fail(next(iter(self.top.elements.values()))[2], "elements outside the parts of a deck with an *ASSEMBLY")
         scopes = [s for s in scopes] + [self.top]
-        labels = [label for s in scopes for label in s.nodes], [label for s in scopes for label in s.elements]
+        # Nodes of the assembly are reference points, of no element; their labels are marked as such by their sign.
+        points = [self.top] if self.instances else []
+        labels = [label for s in scopes if s not in points for label in s.nodes], [label for s in scopes for label in s.elements]
         again = [len(set(group)) < len(group) for group in labels]
         for what, renumber in zip(("nodes", "elements"), again):
             if renumber:
@@ -401,7 +414,7 @@ class Deck:
         for scope in scopes:
             for (label, node), x in zip(scope.nodes.items(), self.moved(scope)):
                 scope.node_index[label] = len(raw.nodes)
-                raw.node_labels.append(len(raw.nodes) + 1 if again[0] else label)
+                raw.node_labels.append(-label if scope in points else len(raw.nodes) + 1 if again[0] else label)
                 raw.node_places.append(node[3])
                 raw.nodes.append(tuple(x))
             for label, (kind, nodes, place) in scope.elements.items():

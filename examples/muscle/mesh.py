@@ -266,7 +266,7 @@ def check_nodes(mesh):
     for nodes in mesh.nodes_of.values():
         used[nodes] = True
     if not used.all():
-        mesh.notes.append(f"{(~used).sum()} nodes of no element are left out: {some(mesh.labels[~used], 5)}")
+        mesh.notes.append(f"{(~used).sum()} nodes of no element are left out: {some(abs(mesh.labels[~used]), 5)}")
     index = np.where(used, np.cumsum(used) - 1, -1)
     X, numbers = mesh.X[used], np.flatnonzero(used)
     shortest = min(np.linalg.norm(mesh.corners(kind)[:, a] - mesh.corners(kind)[:, b], axis=1).min()

@@ -118,6 +118,13 @@ class Decks(Case):
         self.refused("*INCLUDE, INPUT=no.inp\n", ":1:", "no.inp")
         self.refused("*INCLUDE, INPUT=m.inp\n", "includes itself")
 
+    def test_other_letters(self):
+        text = Bar().deck(element="ELSET=Muskel_\u00e4").replace("a bar", "\u00dcbung")
+        for encoding in ("utf-8", "latin-1"):
+            mesh = self.read(text.encode(encoding))
+            self.assertEqual(mesh.sections, ["MUSKEL_\\xc4"])
+            meshes.neutral(mesh).encode("ascii")
+
     def test_sections(self):
         solid = "*SOLID SECTION, ELSET=MUSCLE, MATERIAL=M\n*MATERIAL, NAME=M\n*STEP\n*STATIC\n*END STEP\n"
         mesh = self.read(Bar().deck(more=solid))
@@ -162,6 +169,15 @@ class Instances(Case):
         sets = ("*Elset, elset=_D_S2, internal, instance=Bar-1\n4,\n*Surface, type=ELEMENT, name=Distal\n_D_S2, S2\n"
                 "*Nset, nset=PROXIMAL\nBar-1.1, Bar-1.2, Bar-1.3, Bar-1.4\n")
         self.expect_bar(self.read(self.cae(bar, {"Bar-1": ""}, sets)), kind="hex8")
+
+    def test_reference_point(self):
+        """A node of the assembly has a label of the instance's too: left out, and the labels stay as they are."""
+        sets = ("*Node\n1, 9., 9., 9.\n*Nset, nset=RP\n1,\n*Nset, nset=PROXIMAL, instance=A\nends\n*Nset, nset=DISTAL, instance=A\n"
+                "17, 18, 19, 20\n")
+        mesh = self.read(self.cae(Bar(), {"A": ""}, sets))
+        self.expect_bar(mesh)
+        self.assertEqual(mesh.labels.tolist(), list(range(1, 21)))
+        self.assertIn("1 nodes of no element are left out: 1", mesh.notes)
 
     def test_two_instances(self):
         """Of one part, end to end, but with nodes of their own: refused, since no face joins them."""
