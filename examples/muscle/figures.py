@@ -12,6 +12,8 @@ from pictures import BLUE, GREEN, ORANGE, plt
 
 REGIONS = ["time", "region", "volume", *(f"{q}_{s}" for q in ("lambda_e", "G") for s in ("mean", "p05", "p50", "p95", "p99"))]
 STREAMLINES = ["fascicle", "x", "y", "z"]
+HOT = ["time", "lambda_e_from", "elements", "share_proximal_third", "share_distal_third", "share_with_a_facet_on_the_surface",
+       "distance_to_attachment_median", "distance_to_attachment_max"]
 NAMES = ("muscle.png", "regions.png")
 LINES = {"proximal": (BLUE, "-", 2.2), "middle": (GREEN, "-", 1.4), "distal": (ORANGE, "--", 1.4)}
 WEEKS = (7.0, 14.0, 42.0)
@@ -253,13 +255,12 @@ def write_hot_volume(mesh, out):
         near = np.array([np.linalg.norm(mesh.X[held] - x, axis=1).min() for x in middle[hot]])
         share = [volume[hot][mask].sum() / volume[hot].sum() for mask in (along[hot] < 1 / 3, along[hot] > 2 / 3, surface[hot])]
         rows.append([f"{x:.6g}" for x in (day, f.lambda_e[hot].min(), len(hot), *share, np.median(near), near.max())])
-    files.write_csv(out / "hot_volume.csv", ["time", "lambda_e_from", "elements", "share_proximal_third", "share_distal_third",
-                                             "share_with_a_facet_on_the_surface", "distance_to_attachment_median", "distance_to_attachment_max"],
-                    rows)
+    files.write_csv(out / "hot_volume.csv", HOT, rows)
 
 
 def draw(mesh, out, ramp):
     write_hot_volume(mesh, out)
-    with plt.rc_context(pictures.GRID):
+    with plt.rc_context(pictures.LAYOUT):
         draw_muscle(mesh, out, ramp)
+    with plt.rc_context(pictures.GRID):
         draw_regions(out)

@@ -132,6 +132,12 @@ class Motion(Case):
             bar.X = [tuple(x) for x in X.tolist()]
             out = self.solver(self.mesh(bar), *STEPS, "Solver/Newton tolerance=1e-11")
             found.append(figures.read_regions(out / "regions.csv")["all"])
+        figures.draw(self.mesh(bar), out, 1.0)
+        for name in figures.NAMES:
+            self.assertGreater((out / name).stat().st_size, 3000)
+        rows = files.read_columns(out / "hot_volume.csv", figures.HOT)
+        self.assertEqual(rows["time"], [1.0, 1.5])
+        self.assertAlmostEqual(rows["lambda_e_from"][0], found[0]["lambda_e_p99"][found[0]["time"] == 1.0][0], delta=2e-3)
         for other, limit in zip(found[1:], (1e-9, 1e-5)):
             worst = max(np.abs(other[name] - found[0][name]).max() for name in ("lambda_e_mean", "lambda_e_p05", "lambda_e_p99", "G_mean"))
             print(f"differs by {worst:.1e}")
@@ -167,6 +173,36 @@ class Text(Case):
             with self.assertRaises(files.FileError) as caught:
                 self.write("abaqus", self.mesh(Bar()), entry)
             self.assertIn(words, str(caught.exception))
+
+
+class Job(Case):
+    """examples/muscle/muscle.py, as ./run muscle starts it."""
+
+    def start(self, *arguments):
+        return subprocess.run([sys.executable, SOURCE / "examples/muscle/muscle.py", *map(str, arguments)], capture_output=True, text=True,
+                              cwd=self.folder)
+
+    def test_job(self):
+        self.mesh(Bar())
+        run = self.start("bar.inp", "--unit", "mm", "--check")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        for words in ("24 tet4", "volume         4 mm3", "PROXIMAL: 2 facets, 4 corner nodes, 1 mm2", "4 mm from PROXIMAL's centroid"):
+            self.assertIn(words, run.stdout)
+        self.assertFalse((self.folder / "out").exists())
+        run = self.start("bar.inp", "--unit", "mm", "--export", "calculix", "Muscle/tau=1", "--out", "x")
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.assertIn("\n16, 4, 1, 2, 1.1, 1.01, 0, 0\n1, 0, 0, 1\n", (self.folder / "x" / "muscle_calculix.inp").read_text())
+        for arguments, status, words in ((("bar.inp", "--unit", "mm", "Output/Folder=x"), 2, "--out names the folder"),
+                                         (("bar.inp",), 2, "--unit is needed"), (("no.inp", "--unit", "mm"), 1, "no.inp: No such file"),
+                                         (("--unit", "mm"), 2, "needs a MESH"),
+                                         (("bar.inp", "--unit", "mm", "--prm", "no.prm"), 1, "no.prm: No such file")):
+            run = self.start(*arguments)
+            self.assertEqual(run.returncode, status, run.stderr)
+            self.assertIn(words, run.stderr)
+        two = Bar().deck(more="*ELSET, ELSET=A, GENERATE\n1, 12\n*ELSET, ELSET=B, GENERATE\n13, 24\n", element="")
+        (self.folder / "two.inp").write_text(two)
+        run = self.start("two.inp", "--unit", "mm")
+        self.assertIn("section A has no material", run.stderr)
 
 
 class Flow(Case):
