@@ -106,8 +106,8 @@ struct Pack : Split<V, N> {
   /// Sets one lane.
   void set(int lane, V x) { v[lane / width][lane % width] = x; }
 
-  /// Lane by lane.
-  /// @{
+  // Lane by lane. (Doxygen does not read the macro.)
+  /// @cond
 #define MYOGROWTH_OPERATOR(Result, op, of_register)         \
   friend Result operator op(const Pack& a, const Pack& b) { \
     return Result::of([&](int k) { return of_register; });  \
@@ -125,7 +125,7 @@ struct Pack : Split<V, N> {
   friend Pack operator-(const Pack& a) {
     return of([&](int k) { return -a.v[k]; });
   }
-  /// @}
+  /// @endcond
 };
 
 /// a where the mask is true, else b.
