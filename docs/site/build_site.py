@@ -105,7 +105,7 @@ def reference(target, with_python):
     files.write_text(target / "api/cpp.md", CXX_INTRODUCTION + links + "\n" + toc)
     for name in headers:
         (target / "api" / name).parent.mkdir(exist_ok=True)
-        files.write_text(target / "api" / f"{name[:-4]}.md", f"# {name}\n\n```{{doxygenfile}} {name}\n```\n")
+        files.write_text(target / "api" / f"{name[:-4]}.md", f"# {name}\n\n```{{doxygenfile}} {pathlib.Path(name).name}\n```\n")
     files.write_text(target / "api/c.md", "# C API\n\n`#include <myogrowth.h>`, `build/abi/libmyogrowth.so`; tables and "
                                      "examples: [manual](../docs/manual.md#the-c-api).\n\n"
                                      "```{doxygenfile} myogrowth.h\n```\n")

@@ -301,23 +301,65 @@ MYOGROWTH_FUNCTION T step_of_power(const T& step, const T& x, V gamma) {
   return -x * expm1(T(log1p(T(T(-gamma) * step / x)) / T(gamma)));
 }
 
-/// What Newton's method found.
+/// One step in the lanes that move: G and dG/dlambda.
 template <class T>
-struct StepRoot {
-  T G;
-  LaneMask<T> left;  ///< the lanes without a result: they need bisection
+struct SolvedStep {
+  T x, y;  ///< what is left of the way to the limit, and what is done of it [-]
+  T G, dG_dlambda;
+  LaneMask<T> left;  ///< lanes without a result, in packs
   int iterations;
 };
+
+/// What a solve has so far: y and G, the lanes that it gives up, and the iterations.
+template <class T>
+struct StepRoot {
+  T y, G;
+  LaneMask<T> left;
+  int iterations;
+};
+
+/// dG/dlambda at the root, by the implicit function theorem; 0 where G is not free to change.
+template <class T, class P, int sign, class Mask>
+MYOGROWTH_FUNCTION T dG_dlambda_of(const Branch<P, sign>& b, const StepEquation<T>& eq, const StepSides<T>& s,
+                                   const Mask& is_free) {
+  const T zero(Real<T>(0)), tiny((std::numeric_limits<Real<T>>::min)());
+  const T derivative = s.k * s.x / maximum(slope_times_x(b, eq, s, s.done), tiny);
+  // (Its bound, where k x has lost its digits.)
+  return select(is_free, sign > 0 ? minimum(derivative, T(b.per_crit)) : derivative, zero);
+}
+
+/// What is left of the way to the limit, by y, which has more digits where the step is short. Removal goes by
+/// G, which may be far below G_n.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION T left_of_way(const Branch<V, sign>& b, const StepEquation<T>& eq,
+                                 const StepRoot<T>& root) {
+  return sign > 0 ? T(T(V(1)) - root.y) : T(b.ahead(T(b.limit), root.G) * eq.per_r);
+}
+
+/// The result at the root, where x of the way is left.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION SolvedStep<T> solved_at(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& G_n,
+                                           const T& end, const T& x, const StepRoot<T>& root) {
+  const T zero(V(0)), G = b.last(b.first(root.G, end), G_n);
+  const StepSides<T> s = sides(b, eq, maximum(x, zero), root.y, T(G * eq.per_r), zero);
+  return {s.x, root.y, G, dG_dlambda_of(b, eq, s, b.precedes(G, T(b.limit))), root.left, root.iterations};
+}
+
+/// The equation in the lanes that move; a lane that does not has A = 0, and y = 0.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION StepEquation<T> equation_where(const LaneMask<T>& moves, const Branch<V, sign>& b,
+                                                  const T& G_n, const T& lambda, const T& dt) {
+  return equation_of(b, rounded(select(moves, b.ahead(T(b.limit), G_n), T(V(1)))), G_n, lambda,
+                     select(moves, dt, T(V(0))));
+}
 
 /// Newton's method for the lanes `active`, in G for gamma >= 1 and in |limit - G|^gamma for 0 < gamma < 1.
 /// The iterates go towards the root from G_n's side; from a start behind the root the first step leads before
 /// it. (For removal with 0 < gamma < 1 of more than half of G_n a step may pass the root, and bisection takes
 /// over.)
-///
-/// What it takes comes by value: a reference would keep the caller's numbers in memory.
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE StepRoot<T> newton(Branch<V, sign> b, StepEquation<T> eq, T G_n,
-                                                         T lambda, T end, T start, LaneMask<T> active) {
+MYOGROWTH_FUNCTION StepRoot<T> newton(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& G_n,
+                                      const T& lambda, const T& end, const T& start, LaneMask<T> active) {
   constexpr V epsilon = last_place<V>();
   constexpr int patience = 64;  // three times what gamma = 20 takes
   const T zero(V(0)), one(V(1)), gamma_plus_1(b.gamma + 1), smallest(least_alpha<V>());
@@ -326,7 +368,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE StepRoot<T> newton(Branch<V, sign> b, Step
   LaneMask<T> is_long = leaves_bracket(eq, y_end);
   is_long = active & is_long;
   LaneMask<T> may_be_behind = b.precedes(G_n, start) & b.precedes(start, end) & !is_long, moved = none;
-  StepRoot<T> root{select(may_be_behind, start, G_n), lost, 0};
+  StepRoot<T> root{zero, select(may_be_behind, start, G_n), lost, 0};
   T& G = root.G;
   if (any(is_long))
     G = select(is_long,
@@ -372,44 +414,50 @@ MYOGROWTH_FUNCTION void go_on(const Branch<V, sign>&, const StepEquation<T>&, co
                               StepRoot<T>&, std::false_type) {}
 /// @}
 
-/// dG/dlambda at the root, by the implicit function theorem; 0 where G is not free to change.
-template <class T, class P, int sign, class Mask>
-MYOGROWTH_FUNCTION T dG_dlambda_of(const Branch<P, sign>& b, const StepEquation<T>& eq, const StepSides<T>& s,
-                                   const Mask& is_free) {
-  const T zero(Real<T>(0)), tiny((std::numeric_limits<Real<T>>::min)());
-  const T derivative = s.k * s.x / maximum(slope_times_x(b, eq, s, s.done), tiny);
-  // (Its bound, where k x has lost its digits.)
-  return select(is_free, sign > 0 ? minimum(derivative, T(b.per_crit)) : derivative, zero);
+/// Goes on in the lanes where few_steps has not led to the root.
+///
+/// It takes its arguments by value and makes the equation again: so the caller, which rarely comes here,
+/// keeps nothing in memory for it.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE SolvedStep<T> solve_further(Branch<V, sign> b, LaneMask<T> moves, T G_n,
+                                                                  T lambda, T dt, SolvedStep<T> found) {
+  const StepEquation<T> eq = equation_where(moves, b, G_n, lambda, dt);
+  const T end = b.end(lambda);
+  const LaneMask<T> active = found.left & !eq.out_of_range;
+  StepRoot<T> root = newton(b, eq, G_n, lambda, end, found.G, active);
+  go_on(b, eq, G_n, lambda, end, root, std::is_same<T, V>());
+  const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, select(active, root.G, G_n));
+  root.y = s.y;
+  const SolvedStep<T> more = solved_at(b, eq, G_n, end, s.x, root);
+  const LaneMask<T> left = (found.left & eq.out_of_range) | root.left;
+  return {select(active, more.x, found.x),
+          select(active, more.y, found.y),
+          select(active, more.G, found.G),
+          select(active, more.dG_dlambda, found.dG_dlambda),
+          left,
+          found.iterations + root.iterations};
 }
 
-/// One step in the lanes that move: G and dG/dlambda.
-template <class T>
-struct SolvedStep {
-  T x, y;  ///< what is left of the way to the limit, and what is done of it [-]
-  T G, dG_dlambda;
-  LaneMask<T> left;  ///< lanes without a result, in packs
-  int iterations;
-};
-
+/// What one or two steps of order four give, or the quadratic equation of gamma = 0. The lanes `left` are not
+/// at the root.
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const LaneMask<T>& moves,
-                                                const T& G_n, const T& lambda, const T& dt) {
+MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneMask<T>& moves, const T& G_n,
+                                           const T& lambda, const T& dt) {
   const T zero(V(0)), one(V(1)), limit(b.limit), crit(b.crit);
   constexpr V epsilon = last_place<V>();
-  // A lane that does not move has A = 0, and y = 0.
-  const StepEquation<T> eq =
-      equation_of(b, rounded(select(moves, b.ahead(limit, G_n), one)), G_n, lambda, select(moves, dt, zero));
+  const StepEquation<T> eq = equation_where(moves, b, G_n, lambda, dt);
   const T end = b.end(lambda), nan(std::numeric_limits<V>::quiet_NaN());
   constexpr bool is_number = std::is_same<T, V>::value;
   // (A time or a gamma so far out that the growth number is 0 times infinity.)
   if (is_number && any(!is_finite(eq.A))) return {nan, nan, nan, nan, !moves, 0};
   // If an explicit step would leave the bracket, steps from y = 0 lead nowhere. (Packs ask later, if at all.)
   const bool is_long = is_number && any(leaves_bracket(eq, part_of(b, eq, G_n, end)));
-  LaneMask<T> left = moves & eq.out_of_range, solved = !moves;
-  T y = zero, G = G_n;
-  int iterations = 0;
+  LaneMask<T> solved = !moves;
+  const LaneMask<T> out_of_range = moves & eq.out_of_range;
+  StepRoot<T> root{zero, G_n, out_of_range, 0};
+  T &y = root.y, &G = root.G;
   if (b.gamma >= 1 && !is_long) {
-    iterations = 1;
+    root.iterations = 1;
     const T kc = eq.A * crit;
     const Fraction<T> from_0 = fourth_order_step(b, T(eq.A * eq.Q), kc, zero, T(eq.E * eq.alpha), eq.E);
     y = rough_quotient(from_0.over, from_0.under);
@@ -434,27 +482,22 @@ MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const 
     solved = solved | (is_valid & leaves_rounding);
     if (sign < 0) solved = solved & ((y <= part_of(b, eq, G_n, end)) | (!moves));
   } else if (!(b.gamma > epsilon)) {  // k is constant to rounding
-    iterations = 1;
-    const QuadraticRoot<T> root = root_of_quadratic(b, eq, lambda);
-    y = root.y;
-    G = sign > 0 ? b.on(G_n, T(eq.r * y)) : T(eq.r * root.g);
+    root.iterations = 1;
+    const QuadraticRoot<T> quadratic = root_of_quadratic(b, eq, lambda);
+    y = quadratic.y;
+    G = sign > 0 ? b.on(G_n, T(eq.r * y)) : T(eq.r * quadratic.g);
     solved = solved | (y >= zero);
   }
-  T x = sign > 0 ? T(one - y) : T(b.ahead(limit, G) * eq.per_r);
-  const auto active = moves & !solved & !left;
-  if (any(active)) {
-    StepRoot<T> root = newton(b, eq, G_n, lambda, end, G, active);
-    go_on(b, eq, G_n, lambda, end, root, std::is_same<T, V>());
-    G = select(active, root.G, G);
-    left = left | root.left;
-    iterations += root.iterations;
-    const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, G);
-    y = select(active, s.y, y);
-    x = select(active, s.x, x);
-  }
-  G = b.last(b.first(G, end), G_n);
-  const StepSides<T> s = sides(b, eq, maximum(x, zero), y, T(G * eq.per_r), zero);
-  return {s.x, y, G, dG_dlambda_of(b, eq, s, b.precedes(G, limit)), left, iterations};
+  root.left = root.left | !solved;  // (lanes that do not move are solved)
+  return solved_at(b, eq, G_n, end, left_of_way(b, eq, root), root);
+}
+
+/// The step in the lanes that move.
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const LaneMask<T>& moves,
+                                                const T& G_n, const T& lambda, const T& dt) {
+  const SolvedStep<T> found = few_steps(b, moves, G_n, lambda, dt);
+  return any(found.left) ? solve_further(b, moves, G_n, lambda, dt, found) : found;
 }
 
 /// The step of a number.

@@ -67,7 +67,7 @@ class Staged(Case):
         shutil.rmtree(WORK, ignore_errors=True)
         run(CMAKE, "--install", BUILD, "--prefix", "/usr", DESTDIR=str(STAGE.parent))
         files = {str(f.relative_to(STAGE)) for f in STAGE.rglob("*") if not f.is_dir()}
-        headers = {f"include/myogrowth/{f.name}" for f in (SOURCE / "include/myogrowth").iterdir()}
+        headers = {str(f.relative_to(SOURCE)) for f in (SOURCE / "include/myogrowth").rglob("*.hpp")}
         self.assertLessEqual(headers, files)
         rest = {f for f in files if not re.match(r"include/myogrowth/|lib/(cmake|pkgconfig)/|share/myogrowth/cases/", f)}
         libraries = ["MYOGROWTH", *(f"myogrowth{x}" for x in ("", "_umat", "_vumat", "_vumat_float", "_mgis", "_probe"))]

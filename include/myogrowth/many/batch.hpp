@@ -170,6 +170,32 @@ MYOGROWTH_NOINLINE SolvedStep<Pack<V, N>> remove(const FibreGrowth<V>& m, Mask<V
   return backward_euler(branch_of(m.growth, m.removal), shrinks, G_n, lambda, dt);
 }
 
+/// Growth in the lanes that few_steps has left. Not inlined, and from what is stored between the stages: so
+/// the usual path keeps nothing in memory for it.
+template <int N, class V, int width>
+MYOGROWTH_NOINLINE void grow_further(const Branch<V, 1>& growth, Begun<V, width>* begun, Mask<V, N> up,
+                                     Mask<V, N> left) {
+  using P = Pack<V, N>;
+  P lambda, G_n, dt;
+  SolvedStep<P> found;
+  found.x = found.y = P(V(0));
+  found.left = left;
+  found.iterations = 0;
+  for (int k = 0; k < P::parts; ++k) {
+    lambda.v[k] = begun[k].d.lambda.v[0];
+    G_n.v[k] = begun[k].G_n.v[0];
+    dt.v[k] = begun[k].dt.v[0];
+    found.G.v[k] = begun[k].G.v[0];
+    found.dG_dlambda.v[k] = begun[k].dG_dlambda.v[0];
+  }
+  found = solve_further(growth, up, G_n, lambda, dt, found);
+  for (int k = 0; k < P::parts; ++k) {
+    begun[k].G.v[0] = found.G.v[k];
+    begun[k].dG_dlambda.v[0] = found.dG_dlambda.v[k];
+    begun[k].bad.v[0] = begun[k].bad.v[0] | found.left.v[k];
+  }
+}
+
 /// The first stage for the points from point i on: their deformation.
 template <class V, int N, class In>
 void begin(const In& in, std::ptrdiff_t i, Begun<V, N>& b) {
@@ -226,17 +252,18 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
     lambda = (lambda + lambda_n) * P(V(0.5));
   }
   P G = G_n, dG_dlambda = zero;
+  Mask<V, N> unsolved = one < zero;
   const auto up = grows(material.growth, G_n, lambda, dt) & !bad;
   if (any(up)) {  // (where it does not grow G stays, and the slope is zero)
-    const auto take = [&](const auto& step) {
+    const auto take = [&](const auto& step, Mask<V, N>& left) {
       G = step.G;
       dG_dlambda = step.dG_dlambda;
-      bad = bad | step.left;
+      left = left | step.left;
     };
     if (flows)
-      take(follow(common.growth, up, G_n, lambda, dt));
+      take(follow(common.growth, up, G_n, lambda, dt), bad);
     else
-      take(backward_euler(common.growth, up, G_n, lambda, dt));
+      take(few_steps(common.growth, up, G_n, lambda, dt), unsolved);
   }
   if (material.removal.tau_rev > 0) {
     const auto down = shrinks(material.removal, G_n, lambda, dt) & !bad;
@@ -258,6 +285,10 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
     begun[k].dG_dlambda.v[0] = dG_dlambda.v[k];
     begun[k].bad.v[0] = bad.v[k];
     J_minus_1.v[k] = begun[k].d.J_minus_1.v[0];
+  }
+  if (any(unsolved)) {
+    grow_further<N>(common.growth, begun, up, unsolved);
+    for (int k = 0; k < P::parts; ++k) G.v[k] = begun[k].G.v[0];
   }
   const P per_J = one / (one + J_minus_1), per_G = one / G;
   const P ln_Je = logarithm_of_Je(J_minus_1, G, per_G);
