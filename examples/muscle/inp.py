@@ -101,6 +101,10 @@ class Deck:
     def cards(self, path):
         card, head, start = None, "", None
         for place, text, path in self.lines(path):
+            if head and not text[0].isalpha():  # a comma too many: the card does not go on
+                if card:
+                    yield card
+                card, head = self.card(head, start), ""
             if head or text.startswith("*"):
                 start, head = start if head else place, head + text
                 if head.endswith(","):
