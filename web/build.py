@@ -1,6 +1,8 @@
 """Builds the page: the law of abi/'s C API as WebAssembly, the modules of src/, all in one file without a network.
 
-build.py [--out FOLDER] [--objects FOLDER]     default: out/web, and build/web for object files
+build.py [--out FOLDER] [--objects FOLDER] [--picture FILE.png]     default: out/web, and build/web for object files
+
+--picture: also takes a picture of the page, by a headless Chromium.
 
 The first folder gets index.html and the licences. Status 77: a tool is missing, and it is named.
 """
@@ -13,6 +15,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "examples/common"))
@@ -76,10 +79,26 @@ def run(command):
     return done.stdout
 
 
+def take_picture(page, target):
+    """The page as it opens. Virtual time runs until the band is drawn."""
+    browser = shutil.which("chromium")
+    if not browser:
+        raise files.FileError("--picture: needs chromium, which is not here")
+    with tempfile.TemporaryDirectory() as folder, files.writing(target) as part:
+        made = pathlib.Path(folder) / "picture.png"
+        run([browser, "--headless", "--disable-gpu", *(["--no-sandbox"] if os.geteuid() == 0 else []), "--hide-scrollbars",
+             f"--user-data-dir={folder}/profile", f"--screenshot={made}", "--window-size=1280,1520",
+             "--virtual-time-budget=5000", page.resolve().as_uri()])
+        # A picture of 256 colours, to keep it small.
+        from PIL import Image
+        Image.open(made).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(part, "PNG", optimize=True)
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     p.add_argument("--out", type=pathlib.Path, default=ROOT / "out/web")
     p.add_argument("--objects", type=pathlib.Path, default=ROOT / "build/web")
+    p.add_argument("--picture", type=pathlib.Path, metavar="FILE.png")
     a = p.parse_args()
     if missing := missing_tools():
         print(f"web/build.py: not built, missing: {', '.join(missing)}", file=sys.stderr)
@@ -105,6 +124,8 @@ def main():
     if size > MOST_BYTES:
         raise files.FileError(f"{out}: {size:,} bytes, expected at most {MOST_BYTES:,}")
     print(f"{out / 'index.html'}: {size:,} bytes")
+    if a.picture:
+        take_picture(out / "index.html", a.picture)
 
 
 if __name__ == "__main__":

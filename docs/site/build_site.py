@@ -2,7 +2,7 @@
 
 build_site.py OUT [--python FOLDER]     FOLDER: where the Python module was built, for its reference
 
-The pages are those of pages.txt, in the same folders for Sphinx as in the repository, so that links work in both.
+The page of web/ is in the site's folder law/ where its tools are; the pages are those of pages.txt, in the same folders for Sphinx as in the repository, so that links work in both.
 """
 import argparse
 import os
@@ -46,11 +46,26 @@ def place_of(page):
     return pathlib.PurePosixPath("index.md" if page == "README.md" else page)
 
 
-def lay_out(source, target, pages):
+# The page that computes: its place in the site, and how docs/web.md names the one that ./run web makes.
+LAW, LAW_IN_TREE = "law/index.html", "`out/web/index.html`"
+
+
+def build_law(html, work):
+    """The page of web/ in the site; False if a tool for it is missing, which it has said."""
+    run = subprocess.run([sys.executable, ROOT / "web/build.py", "--out", html / "law", "--objects", work / "web"])
+    if run.returncode not in (0, 77):
+        sys.exit(run.returncode)
+    return run.returncode == 0
+
+
+def lay_out(source, target, pages, with_law):
     """Copies a page and the pictures and files it links to; a link to a file of the repository becomes a download. A
     link to a folder leads to its README if that is a page; otherwise the link is removed."""
     text = (ROOT / source).read_text(encoding="utf-8")
     text = re.sub(r"^```math\n(.*?)^```$", r"$$\n\1$$", text, flags=re.S | re.M)  # the syntax of code hosts
+    if with_law:
+        link = os.path.relpath(LAW, place_of(source).parent)
+        text = text.replace(LAW_IN_TREE, f'<a href="{link}">out/web/index.html</a>')
     here = pathlib.PurePosixPath(source).parent
 
     def relinked(match):
@@ -139,9 +154,10 @@ def main():
 
     groups = [(caption, [page for page in pages if (ROOT / page).is_file() or (stage / page).is_file()])
               for caption, pages in listed()]
+    with_law = build_law(html, work)
     pages = ["README.md"] + [page for _, group in groups for page in group if (ROOT / page).is_file()]
     for page in pages:
-        lay_out(page, stage, pages)
+        lay_out(page, stage, pages, with_law)
     trees = [f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n" + "".join(f"{page[:-3]}\n" for page in group) + "```\n"
              for caption, group in groups if group]
     files.write_text(stage / "index.md", "".join([files.read_text(stage / "index.md"), *trees]))

@@ -11,6 +11,7 @@ case "$1" in
     ./run cylinder
     cp out/cylinder/fig3_sections.png docs/images/cylinder_sections.png
     cp out/cylinder/fig2_elastic_stretch.png docs/images/cylinder_elastic_stretch.png
+    ./run web --picture docs/images/web_play.png
     ;;
   studies)
     ./run fit examples/identification/example.csv

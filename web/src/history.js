@@ -1,7 +1,7 @@
 // Histories of stretch: knots {time, stretch}, cut into time steps as examples/common/study.hpp does it.
 
 export const LIMITS = {days: [1e-6, 1e6], stretch: [0.01, 100], length: [1e-3, 1e6], measured: [1e-6, 1e3],
-  rows: 100000, steps: 200000};
+  rows: 100000, steps: 200000, cycles: 20000};
 
 /**
  * The history with time steps between its knots. After every knot the steps begin with `first` [day] and lengthen by

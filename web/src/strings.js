@@ -16,6 +16,7 @@ export const S = {
   linkCopied: "The link is in the address bar and, if the browser allows it, in the clipboard.",
   linkFaults: "This link has entries that are not used:",
   linkEntry: (key, value, expected) => `${key} = ${value}: expected ${expected}.`,
+  noTendon: "this page computes muscle without a tendon; ./run protocol and ./run fit take it",
   unknownEntry: "one of the page's names",
   number: (least, most) => `a number from ${g(least, 10)} to ${g(most, 10)}`,
   anyNumber: "a number",
@@ -45,7 +46,7 @@ export const S = {
   play: {
     heading: "One stretch",
     stretch: "Stretch", ramp: "Ramp", hold: "Hold, then release", days: "Duration",
-    stretchUnit: "times the length at rest", daysUnit: "days",
+    stretchUnit: "× rest", daysUnit: "days",
     bands: "Show the band of uncertain parameters (ranges: tab Uncertainty)",
     numbers: "Exact solution",
     peak: "Peak of λe", peakDay: "reached on day",
@@ -66,9 +67,10 @@ export const S = {
     add: "Add a programme", remove: "Remove programme", open: "Open CSV files",
     drop: "Or drop the CSV files of ./run protocol anywhere on this page.",
     programme: (n) => `Programme ${n}`, programmeTitle: "Name", rest: "Length at rest [mm]",
-    kinds: {step: "step", ramp: "ramp", hold: "hold", distract: "distract", repeat: "repeat"},
+    kinds: {step: "step", ramp: "ramp", hold: "hold", distract: "distract", cycle: "cycle", repeat: "repeat"},
     fields: {
       step: ["to stretch"], ramp: ["to stretch", "within days"], hold: ["days"], distract: ["mm a day", "days"],
+      cycle: ["to stretch", "hours", "every days", "for days"],
       repeat: ["last rows", "times in all"],
     },
     kind: "What to do", addRow: "Add a row", removeRow: (n) => `Remove row ${n}`, row: (n) => `Row ${n}`,

@@ -3,10 +3,11 @@
 import {LIMITS} from "./history.js";
 import {PARAMETERS} from "./law.js";
 import {InputError, Rows, textOf, toBytes, visible} from "./rows.js";
+import {S} from "./strings.js";
 
-export const FITTED = ["tau", "gamma", "G_max", "lambda_crit"];
+const FITTED = [...PARAMETERS.slice(2), "amplitude"];
 const REMOVAL = ["gamma_rev", "G_min", "lambda_crit_rev"];
-const KINDS = "title, include, set, fit, rest_length, step, ramp, hold, distract or measure";
+const KINDS = "title, include, set, fit, rest_length, step, ramp, hold, distract, cycle, tendon or measure";
 
 /**
  * Reads a study. files: a Map of the names to the bytes of all files that it may include. own: take the page's rows too.
@@ -69,7 +70,12 @@ class Reader {
   /** A move of the history: what to do from where it is. */
   move(rows, move) {
     const last = this.study.knots[this.study.knots.length - 1];
-    if (move.kind === "distract")
+    if (move.kind === "cycle") {
+      for (let i = 0; i < move.cycles; ++i) {
+        for (const [stretch, days] of [[move.a, 0], [move.a, move.b / 24], [last.stretch, 0],
+          [last.stretch, move.c - move.b / 24]]) this.add(rows, 1, stretch, days);
+      }
+    } else if (move.kind === "distract")
       this.add(rows, 1, last.stretch + move.a * move.b / this.study.rest, move.b);
     else this.add(rows, 1, move.kind === "hold" ? last.stretch : move.a, move.days);
   }
@@ -103,7 +109,7 @@ class Reader {
       study.places[name] = rows.place(2);
     } else if (key === "fit") {
       const name = rows.text(1, "the name of a parameter");
-      if (!FITTED.includes(name)) rows.unexpected(1, "tau, gamma, G_max or lambda_crit");
+      if (!FITTED.includes(name)) rows.unexpected(1, FITTED.join(", ").replace(/, (\w+)$/, " or $1"));
       const lower = rows.number(2, "a lower bound"), upper = rows.number(3, "an upper bound", lower);
       rows.endsAfter(4);
       this.once(rows, chain, `fit, ${name}`);
@@ -125,17 +131,29 @@ class Reader {
       const a = rows.number(1, "a rate in mm/day"), b = days(2);
       rows.endsAfter(3);
       go({kind: "distract", a, b, days: b}, 3);
+    } else if (key === "cycle") {
+      const a = stretch(), b = rows.number(2, "a time in hours", 0), c = days(3);
+      const d = within(4, "a time in days", [c, LIMITS.days[1]]), cycles = Math.round(d / c);
+      if (!(b < 24 * c)) rows.fail(2, `expected less than EVERY, ${textOf(24 * c)} hours, found ${textOf(b)}`);
+      rows.endsAfter(5);
+      if (Math.abs(cycles * c - d) > 1e-9 * d)
+        rows.fail(4, `expected a multiple of EVERY, ${textOf(c)} days, found ${textOf(d)}`);
+      if (cycles > LIMITS.cycles) rows.fail(4, `expected at most ${LIMITS.cycles} cycles, found ${textOf(cycles)}`);
+      go({kind: "cycle", a, b, c, d, cycles}, 5);
+    } else if (key === "tendon") {
+      rows.fail(0, S.noTendon);
     } else if (key === "repeat" && this.own) {
       this.repeat(rows);
     } else if (key === "measure") {
-      const time = rows.numberFrom(1, "a time in days", 0, LIMITS.days[1]), quantity = rows.text(2, "lambda_e or G");
-      if (quantity !== "lambda_e" && quantity !== "G") rows.unexpected(2, "lambda_e or G");
+      const time = rows.numberFrom(1, "a time in days", 0, LIMITS.days[1]), quantity = rows.text(2, "lambda_e, G or tendon");
+      if (!["lambda_e", "G", "tendon"].includes(quantity)) rows.unexpected(2, "lambda_e, G or tendon");
+      if (quantity === "tendon") rows.fail(2, S.noTendon);
       const value = within(3, "a value", LIMITS.measured), sd = within(4, "a standard deviation", LIMITS.measured);
       rows.endsAfter(5);
       this.once(rows, chain, `the measurement of ${quantity} = ${textOf(value)} on day ${textOf(time)}`, false);
       study.measurements.push({time, quantity, value, sd});
     } else {
-      rows.unexpected(0, this.own ? KINDS.replace("distract or", "distract, repeat or") : KINDS);
+      rows.unexpected(0, this.own ? KINDS.replace("tendon or", "tendon, repeat or") : KINDS);
     }
   }
 
@@ -177,6 +195,6 @@ export function csvOf(study) {
   const lines = [`title, ${study.title}`];
   for (const name of PARAMETERS) if (study.set[name] !== undefined) lines.push(`set, ${name}, ${study.set[name]}`);
   if (study.rest > 0) lines.push(`rest_length, ${study.rest}`);
-  for (const m of study.moves) lines.push([m.kind, m.a].concat(m.b === undefined ? [] : m.b).join(", "));
+  for (const m of study.moves) lines.push([m.kind, m.a, m.b, m.c, m.d].filter((x) => x !== undefined).join(", "));
   return lines.join("\n") + "\n";
 }

@@ -9,7 +9,8 @@ import {S} from "../strings.js";
 import {modelField} from "./play.js";
 
 const MOST = 4, NAMES = ["stretch", "lambda_e", "G", "force"], C = S.compare;
-const STARTS = {step: "step, 1.05", ramp: "ramp, 1.1, 7", hold: "hold, 7", distract: "distract, 1, 7", repeat: "repeat, 2, 3"};
+const STARTS = {step: "step, 1.05", ramp: "ramp, 1.1, 7", hold: "hold, 7", distract: "distract, 1, 7",
+  cycle: "cycle, 1.05, 8, 1, 14", repeat: "repeat, 2, 3"};
 
 /** A programme's text as lines {kind, fields}, for the editor; others, like set, are kept as they are. */
 function linesOf(text) {
