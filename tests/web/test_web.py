@@ -37,6 +37,8 @@ class Page(unittest.TestCase):
         cls.addClassCleanup(cls.browser.close)
 
     def setUp(self):
+        for file in self.browser.downloads.iterdir():
+            file.unlink()
         self.browser.open()
 
     def tearDown(self):
