@@ -5,6 +5,8 @@
 
 #include <myogrowth/many/batch.hpp>
 
+#include "properties.hpp"
+
 namespace {
 
 using namespace myogrowth;
@@ -39,15 +41,13 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
 
 }  // namespace
 
-extern "C" void MYOGROWTH_UPDATE_BLOCK(const MyogrowthBlockMaterial* material, int n, int measure,
-                                       int with_tangent, MyogrowthBlock* block) {
-  FibreGrowth<double> m;
-  m.c1 = material->c1;
-  m.c2 = material->c2;
-  m.growth = {material->growth[0], material->growth[1], material->growth[2], material->growth[3]};
-  m.removal = {material->removal[0], material->removal[1], material->removal[2], material->removal[3]};
-  m.energy = material->grown_energy ? EnergyPer::grown_volume : EnergyPer::reference_volume;
-  m.integration = material->second_order ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
+extern "C" void MYOGROWTH_UPDATE_BLOCK(const double* props, int n, int measure, int with_tangent,
+                                       MyogrowthBlock* block) {
+  double known[abi::n_props];
+  for (int i = 0; i < abi::n_props; ++i) known[i] = props[i];
+  abi::Properties properties;
+  abi::read(known, properties);
+  const FibreGrowth<double>& m = properties.material;
   if (with_tangent) {
     if (measure == 0) return update<Tangent::full, Measure::cauchy>(m, n, *block);
     if (measure == 1) return update<Tangent::full, Measure::first_piola>(m, n, *block);

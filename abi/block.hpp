@@ -5,18 +5,10 @@
 #ifndef MYOGROWTH_ABI_BLOCK_HPP
 #define MYOGROWTH_ABI_BLOCK_HPP
 
-#include <myogrowth/kernel.hpp>
-
 extern "C" {
 
 /// Points in a block: with the full tangent, what goes in and comes out of it stays in the nearest cache.
 constexpr int myogrowth_block_points = 32;
-
-/// FibreGrowth in plain numbers.
-struct MyogrowthBlockMaterial {
-  double c1, c2, growth[4], removal[4];
-  int grown_energy, second_order;
-};
 
 /// A block: component c of point i is at [c * myogrowth_block_points + i]. Tangent and stress as in Measure's
 /// order.
@@ -30,10 +22,11 @@ struct MyogrowthBlock {
   double check[myogrowth_block_points];        ///< 0 if all that comes out, and its sum, is finite
 };
 
-/// Updates the first n points. measure: 0 Cauchy, 1 first, 2 second Piola-Kirchhoff. Where a point has no
-/// result its stress and its check are NaN.
-using MyogrowthUpdateBlock = void(const MyogrowthBlockMaterial* material, int n, int measure,
-                                  int with_tangent, MyogrowthBlock* block);
+/// Updates the first n points of the material of these PROPS, all 18 of them and found to be allowed.
+/// measure: 0 Cauchy, 1 first, 2 second Piola-Kirchhoff. Where a point has no result its stress and its check
+/// are NaN.
+using MyogrowthUpdateBlock = void(const double* props, int n, int measure, int with_tangent,
+                                  MyogrowthBlock* block);
 #pragma GCC visibility push(hidden)
 MyogrowthUpdateBlock myogrowth_update_block_base, myogrowth_update_block_avx2, myogrowth_update_block_avx512;
 #pragma GCC visibility pop

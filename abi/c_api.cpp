@@ -3,7 +3,6 @@
 #include "myogrowth.h"
 
 #include <limits>
-#include <myogrowth/more/left_stretch.hpp>
 #include <myogrowth/more/stress_states.hpp>
 
 #include "elastic_laws.hpp"
@@ -14,29 +13,30 @@ namespace {
 using namespace myogrowth;
 
 // What the points of a call have in common.
-struct Common {
-  abi::Properties properties;
-  int n_state;
-  double dt;
-  int measure, n_stress;
-  bool has_law = false;  // an elastic law other than eq. 3
-  abi::LawChoice law{};
+struct Common : abi::Common {
+  bool has_law;  // an elastic law other than eq. 3
+  abi::LawChoice law;
 };
+Common common_of(int n_state, double dt, int measure, bool with_tangent) {
+  Common c{};
+  c.n_state = n_state;
+  c.dt = dt;
+  c.measure = measure;
+  c.with_tangent = with_tangent;
+  return c;
+}
 
 // The arrays of one point; or of the first of many, which lie one after the other.
 struct Point {
   const double *F, *state_in;
   double *state_out, *stress, *tangent, *energy;
   Point at(int i, const Common& c) const {
+    const int n = myogrowth_stress_size(c.measure);
     const auto of = [i](auto* array, int size) {
       return array ? array + static_cast<std::ptrdiff_t>(i) * size : nullptr;
     };
-    return {of(F, 9),
-            of(state_in, c.n_state),
-            of(state_out, c.n_state),
-            of(stress, c.n_stress),
-            of(tangent, c.n_stress * c.n_stress),
-            of(energy, 1)};
+    return {of(F, 9),      of(state_in, c.n_state), of(state_out, c.n_state),
+            of(stress, n), of(tangent, n * n),      of(energy, 1)};
   }
 };
 
@@ -69,7 +69,7 @@ int check(const double* props, int n_props, const Point& first, Common& common, 
     abi::tell(text, "%s = NULL: it is needed.", missing);
     return MYOGROWTH_BAD_ARGUMENT;
   }
-  if (common.n_stress == 0) {
+  if (myogrowth_stress_size(common.measure) == 0) {
     abi::tell(text, "measure = %d: must be %d (Cauchy), %d (first Piola) or %d (second Piola).",
               common.measure, MYOGROWTH_CAUCHY, MYOGROWTH_FIRST_PIOLA, MYOGROWTH_SECOND_PIOLA);
     return MYOGROWTH_BAD_ARGUMENT;
@@ -88,20 +88,32 @@ int check(const double* props, int n_props, const Point& first, Common& common, 
   return MYOGROWTH_OK;
 }
 
-void write(const Common& common, const Point& p, const double (&state)[abi::n_kept], double psi) {
-  if (p.energy) *p.energy = psi;
-  const int n = abi::kept_entries(common.n_state);
-  for (int i = 0; i < common.n_state; ++i) p.state_out[i] = i < n ? state[i] : p.state_in[i];
+void write_state(int n_state, const Point& p, const double (&state)[abi::n_kept]) {
+  const int n = abi::kept_entries(n_state);
+  for (int i = 0; i < n_state; ++i) p.state_out[i] = i < n ? state[i] : p.state_in[i];
 }
 
-// The results of a point that has none: NaN, so that no host can continue silently; its state is as it was.
-int refuse(const Common& common, const Point& p, int status) {
+bool write(const Common& common, const Point& p, const abi::Result& r) {
+  common.measure == MYOGROWTH_FIRST_PIOLA ? r.copy<9>(p.stress, p.tangent) : r.copy<6>(p.stress, p.tangent);
+  if (p.energy) *p.energy = r.psi;
+  write_state(common.n_state, p, r.state);
+  return true;
+}
+
+// The results of a point that has none: n stresses, NaN, so that no host can continue silently; its state is
+// as it was.
+int refuse(int n, const Point& p, int status) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const int n = common.n_stress;
   for (int i = 0; i < n && p.stress; ++i) p.stress[i] = nan;
   for (int i = 0; i < n * n && p.tangent; ++i) p.tangent[i] = nan;
   if (n > 0 && p.energy) *p.energy = nan;
   return status;
+}
+
+// The reason in words, where there is none yet.
+const char* reason(UpdateStatus status, abi::Text& text) {
+  if (status != UpdateStatus::ok && !text[0]) abi::tell(text, "%s.", abi::text(status));
+  return text;
 }
 
 // Calls use(u, material, activation ...), with u what update_point of the material fills.
@@ -120,35 +132,11 @@ UpdateStatus with_material(const Common& common, const Use& use) {
   return status;
 }
 
-int update(const Common& common, const Point& p, abi::Text& text) {
-  abi::Start start;
-  UpdateStatus status = abi::find_start(p.state_in, common.n_state, common.properties, start, text);
-  if (status != UpdateStatus::ok) return refuse(common, p, static_cast<int>(status));
-  double V[9];
-  const bool turned = common.properties.local_basis && left_stretch(p.F, V);
-  const double* F = turned ? V : p.F;
-  double state[abi::n_kept], psi = 0;
-  status = with_material(common, [&](auto& u, const auto& material, const auto&... activation) {
-    UpdateStatus made =
-        update_point(material, F, start.n0, start.G, start.lambda, common.dt, u, activation...);
-    // det F can be 0 to the one and > 0 to the other, to rounding: F itself is then the wrong one.
-    if (made == UpdateStatus::ok && common.properties.local_basis && !turned) made = UpdateStatus::inverted;
-    if (made == UpdateStatus::ok) {
-      abi::convert(common.measure, F, u, p.stress, p.tangent);
-      const int n = common.n_stress;
-      const bool finite = are_finite(p.stress, n) && (!p.tangent || are_finite(p.tangent, n * n));
-      if (!finite) made = UpdateStatus::not_finite;
-      abi::state_of(u, state);
-      psi = u.psi;
-    }
-    return made;
+UpdateStatus update(const Common& common, const Point& p, abi::Text& text) {
+  return with_material(common, [&](auto& u, const auto& material, const auto&... activation) {
+    const auto take = [&](const abi::Result& r) { return write(common, p, r); };
+    return abi::update_alone(common, material, u, p.F, p.state_in, text, take, activation...);
   });
-  if (status != UpdateStatus::ok) {
-    abi::tell(text, "%s.", abi::text(status));
-    return refuse(common, p, static_cast<int>(status));
-  }
-  write(common, p, state, psi);
-  return MYOGROWTH_OK;
 }
 
 }  // namespace
@@ -168,11 +156,15 @@ int myogrowth_update(const double* props, int n_props, const double F[9], const 
                      double* energy, char* message, int message_length) {
   abi::Text text = "";
   const Point p{F, state_in, state_out, stress, tangent, energy};
-  Common common{{}, n_state, dt, measure, myogrowth_stress_size(measure)};
-  const int fault = check(props, n_props, p, common, text);
-  const int made = fault != MYOGROWTH_OK ? refuse(common, p, fault) : update(common, p, text);
+  Common common = common_of(n_state, dt, measure, tangent != nullptr);
+  int made = check(props, n_props, p, common, text);
+  if (made == MYOGROWTH_OK) {
+    const UpdateStatus status = update(common, p, text);
+    made = static_cast<int>(status);
+    reason(status, text);
+  }
   write_message(text, message, message_length);
-  return made;
+  return made == MYOGROWTH_OK ? made : refuse(myogrowth_stress_size(measure), p, made);
 }
 
 int myogrowth_update_n(int n_points, const double* props, int n_props, const double* F,
@@ -183,50 +175,45 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
   if (n_points <= 0) return 0;
   abi::Text text = "";
   const Point points{F, state_in, state_out, stress, tangent, energy};
-  Common common{{}, n_state, dt, measure, myogrowth_stress_size(measure)};
+  Common common = common_of(n_state, dt, measure, tangent != nullptr);
+  const int n_stress = myogrowth_stress_size(measure);
   const int fault = check(props, n_props, points, common, text);
   if (fault != MYOGROWTH_OK) {
     write_message(text, message, message_length);
     common.n_state = 0;  // it may be anything, and no state is touched
     for (int i = 0; i < n_points; ++i) {
-      refuse(common, points.at(i, common), fault);
+      refuse(n_stress, points.at(i, common), fault);
       if (status) status[i] = fault;
     }
     return n_points;
   }
 
   int failed = 0;
-  const auto update_one = [&](int i) {
-    const int made = update(common, points.at(i, common), text);
+  const auto refuse_one = [&](int i, UpdateStatus why, abi::Text& words) {
+    const int made = refuse(n_stress, points.at(i, common), static_cast<int>(why));
     if (status) status[i] = made;
-    if (made == MYOGROWTH_OK || ++failed > 1 || !message || message_length <= 0) return;
+    if (++failed > 1 || !message || message_length <= 0) return;
     std::snprintf(message, static_cast<std::size_t>(message_length), "point %d (of 0 to %d): %s", i,
-                  n_points - 1, text);
+                  n_points - 1, reason(why, words));
   };
-  if (common.has_law) {  // there are no packs of these laws
-    for (int i = 0; i < n_points; ++i) update_one(i);
-    return failed;
+  for (int i = 0; i < n_points && common.has_law; ++i) {  // there are no packs of these laws
+    if (status) status[i] = MYOGROWTH_OK;
+    const UpdateStatus made = update(common, points.at(i, common), text);
+    if (made != UpdateStatus::ok) refuse_one(i, made, text);
   }
+  if (common.has_law) return failed;
   abi::update_many(
-      common.properties.material, dt, n_points, measure, tangent != nullptr,
-      [&](int i, double(&F_i)[9], abi::Start& start) {
+      common, n_points,
+      [&](int i, double(&F_i)[9]) {
         const Point p = points.at(i, common);
         for (int c = 0; c < 9; ++c) F_i[c] = p.F[c];
-        return !common.properties.local_basis &&
-               abi::find_start(p.state_in, n_state, common.properties, start, text) == UpdateStatus::ok;
+        return p.state_in;
       },
-      [&](int i, const abi::BlockResult& r) {
-        const Point p = points.at(i, common);
-        double state[abi::n_kept];
-        r.state(state);
-        common.n_stress == 9 ? r.gather<9>(r.block.stress, p.stress) : r.gather<6>(r.block.stress, p.stress);
-        if (tangent && common.n_stress == 9) r.gather<81>(r.block.tangent, p.tangent);
-        if (tangent && common.n_stress == 6) r.gather<36>(r.block.tangent, p.tangent);
-        write(common, p, state, r.psi());
+      [&](int i, const abi::Result& r) {
         if (status) status[i] = MYOGROWTH_OK;
-        return true;
+        return write(common, points.at(i, common), r);
       },
-      update_one);
+      refuse_one);
   return failed;
 }
 
@@ -235,7 +222,7 @@ int myogrowth_uniaxial(const double* props, int n_props, double stretch, const d
                        double* modulus, double* energy, char* message, int message_length) {
   abi::Text text = "";
   const Point p{&stretch, state_in, state_out, stress, modulus, energy};
-  Common common{{}, n_state, dt, MYOGROWTH_CAUCHY, 1};
+  Common common = common_of(n_state, dt, MYOGROWTH_CAUCHY, modulus != nullptr);
   int made = check(props, n_props, p, common, text);
   if (made == MYOGROWTH_OK && abi::find_state_fault(state_in, n_state, common.properties, text))
     made = MYOGROWTH_BAD_STATE;
@@ -253,20 +240,19 @@ int myogrowth_uniaxial(const double* props, int n_props, double stretch, const d
           return found == UpdateStatus::ok && !are_finite(results, 2) ? UpdateStatus::not_finite : found;
         });
     made = static_cast<int>(status);
+    reason(status, text);
     if (status == UpdateStatus::ok) {
       for (int i = abi::fibre_entry; i < abi::n_kept && abi::keeps_fibre(n_state); ++i)
         state[i] = state_in[i];
-      write(common, p, state, psi);
+      write_state(n_state, p, state);
       *stress = results[0];
+      if (energy) *energy = psi;
       if (modulus) *modulus = results[1];
       if (lateral) *lateral = side;
-    } else {
-      abi::tell(text, "%s.", abi::text(status));
     }
   }
-  if (made != MYOGROWTH_OK) refuse(common, p, made);
   write_message(text, message, message_length);
-  return made;
+  return made == MYOGROWTH_OK ? made : refuse(1, p, made);
 }
 
 }  // extern "C"

@@ -16,7 +16,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "point.hpp"
+#include "many.hpp"
 
 namespace {
 
@@ -45,34 +45,32 @@ void move_fibre(double* statev, int nstatev) {
 
 // One step at one point. `statev` comes in as at the beginning of the increment. pnewdt of CalculiX: -1
 // unless the increment is to be repeated, pnewdt times as long.
-void update_point_of_ccx(const double* F_given, double dtime, const double* props, int nprops, double* statev,
-                         int nstatev, double S[6], double dS_dE[36], double& pnewdt) {
+void update(const double* F, double dtime, const double* props, int nprops, double* statev, int nstatev,
+            double S[6], double dS_dE[36], double& pnewdt) {
   move_fibre(statev, nstatev);
-  abi::Properties p;
-  abi::Start start;
+  const int second_piola = 2;
+  abi::Common common{{}, nstatev, dtime, second_piola, true};
+  const abi::Properties& p = common.properties;
   abi::Text text;
-  if (abi::find_props_fault(props, nprops, p, text) || abi::find_hybrid_fault("CalculiX", p, text) ||
-      abi::find_room_fault("*DEPVAR", nstatev, text) ||
-      abi::find_stretch_fault("*DEPVAR", nstatev, p, text) ||
-      abi::find_start(statev, nstatev, p, start, text) != UpdateStatus::ok) {
+  if (abi::find_call_fault("CalculiX", "*DEPVAR", props, nprops, nstatev, common.properties, text))
     end_job(text);
-  }
   if (p.local_basis) {
     end_job(
         "PROPS(10) = 1: CalculiX gives F in fixed axes, so frame must be 0, and the section have no "
         "*ORIENTATION.");
   }
-
-  const double* F = abi::or_identity(F_given);
-  PointUpdate<double> u;
   double factor = 1;
-  update_point(p.material, F, start.n0, start.G, start.lambda, dtime, u);
-  const int second_piola = 2;
-  if (u.status == UpdateStatus::ok) abi::convert(second_piola, F, u, S, dS_dE);
-  if (u.status == UpdateStatus::ok && are_finite(S, 6) && are_finite(dS_dE, 36)) {
-    if (p.tolerance > 0) factor = abi::advised_factor(p, start.G, start.lambda, u.lambda, dtime);
-    abi::write_state(u, statev, nstatev);
-  } else {
+  const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatev);
+  const auto write = [&](const abi::Result& r) {
+    r.copy<6>(S, dS_dE);
+    if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, r.state[abi::stretch_entry], dtime);
+    for (int i = 0; i < abi::kept_entries(nstatev); ++i) statev[i] = r.state[i];
+    return true;
+  };
+  PointUpdate<double> u;
+  if (abi::update_alone(common, p.material, u, abi::or_identity(F), statev, text, write) !=
+      UpdateStatus::ok) {
+    if (text[0]) end_job(text);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < 6; ++i) S[i] = nan;
     for (int i = 0; i < 36; ++i) dS_dE[i] = nan;
@@ -96,7 +94,7 @@ void CCX(double* stress, double* statev, double* ddsdde, double* /*sse*/, double
          double* pnewdt, const double* /*celent*/, const double* /*dfgrd0*/, const double* dfgrd1,
          const int* /*noel*/, const int* /*npt*/, const int* /*layer*/, const int* /*kspt*/,
          const int* /*jstep*/, const int* /*kinc*/, int /*length of cmname*/) {
-  update_point_of_ccx(dfgrd1, *dtime, props, *nprops, statev, *nstatv, stress, ddsdde, *pnewdt);
+  update(dfgrd1, *dtime, props, *nprops, statev, *nstatv, stress, ddsdde, *pnewdt);
 }
 
 /// `@MYOGROWTH_NATIVE`: the arguments of CalculiX's own umat_user. xstateini and xstate are those of all
@@ -114,7 +112,7 @@ void NATIVE(const char* /*amat*/, const int* iel, const int* iint, const int* ko
   for (int i = 0; i < *nstate; ++i) statev[i] = xstateini[*nstate * point + i];
   double dS_dE[36];
   const int stress_only = 3;
-  update_point_of_ccx(xkl, *dtime, elconloc, -*kode - 100, statev, *nstate, stre, dS_dE, *pnewdt);
+  update(xkl, *dtime, elconloc, -*kode - 100, statev, *nstate, stre, dS_dE, *pnewdt);
   if (*icmd == stress_only) return;
   for (int col = 0, k = 0; col < 6; ++col) {
     for (int row = 0; row <= col; ++row, ++k) stiff[k] = (dS_dE[row + 6 * col] + dS_dE[col + 6 * row]) / 2;

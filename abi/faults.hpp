@@ -156,6 +156,15 @@ inline bool find_stretch_fault(const char* name, int nstatev, const Properties& 
               stretch_entry + 1);
 }
 
+/// Reads PROPS and checks the length of STATEV for a host without mixed elements: `where` and `name` as
+/// above.
+template <class R>
+bool find_call_fault(const char* where, const char* name, const R* props, int nprops, int nstatev,
+                     Properties& properties, Text& text) {
+  return find_props_fault(props, nprops, properties, text) || find_hybrid_fault(where, properties, text) ||
+         find_room_fault(name, nstatev, text) || find_stretch_fault(name, nstatev, properties, text);
+}
+
 /// The fibre stretch at the beginning of a step, as STATEV remembers it; 1 where nothing is known yet.
 inline double stretch_at_start(const double* statev, int nstatev) {
   return nstatev > stretch_entry && statev[stretch_entry] > 0 ? statev[stretch_entry] : 1;

@@ -1,14 +1,64 @@
 /// @file
-/// The update of many points of a host: in packs by the fastest batch of this machine, one by one where packs
+/// The update of a host's points: in packs by the fastest batch of this machine, one by one where packs
 /// cannot.
 #ifndef MYOGROWTH_ABI_MANY_HPP
 #define MYOGROWTH_ABI_MANY_HPP
+
+#include <myogrowth/more/left_stretch.hpp>
 
 #include "block.hpp"
 #include "point.hpp"
 
 namespace myogrowth {
 namespace abi {
+
+/// What the points of a call have in common.
+struct Common {
+  Properties properties;
+  int n_state;  ///< entries of a point's state, n_statev_required at least
+  double dt;
+  int measure;  ///< of stress and tangent, as convert() has them
+  bool with_tangent;
+};
+
+/// What a step gives at one point, for the host to take.
+struct Result {
+  const double *stress, *tangent;  ///< component c at [c * stride]
+  int stride;
+  double psi, state[n_kept];
+  /// The n components of the stress, and of the tangent unless it is null, one after the other.
+  template <int n>
+  void copy(double* to_stress, double* to_tangent) const {
+    for (int c = 0; c < n; ++c) to_stress[c] = stress[c * stride];
+    for (int c = 0; c < n * n && to_tangent; ++c) to_tangent[c] = tangent[c * stride];
+  }
+};
+
+/// One step at one point by the scalar law of a material; u is what its update_point fills, a its activation
+/// where it has one. take(result): false if it is none for the host. Where there is no
+/// result the status says why, and the text names the entry if it is the state that is not allowed.
+template <class Material, class Point, class Take, class... Activation>
+UpdateStatus update_alone(const Common& c, const Material& material, Point& u, const double F_given[9],
+                          const double* state, Text& text, const Take& take, const Activation&... a) {
+  text[0] = '\0';
+  Start start;
+  const UpdateStatus found = find_start(state, c.n_state, c.properties, start, text);
+  if (found != UpdateStatus::ok) return found;
+  double V[9], stress[9], tangent[81];
+  const bool local = c.properties.local_basis, turned = local && left_stretch(F_given, V);
+  const double* F = turned ? V : F_given;
+  if (update_point(material, F, start.n0, start.G, start.lambda, c.dt, u, a...) != UpdateStatus::ok)
+    return u.status;
+  // det F can be 0 to the one and > 0 to the other, to rounding: F itself is then the wrong one.
+  if (local && !turned) return UpdateStatus::inverted;
+  convert(c.measure, F, u, stress, c.with_tangent ? tangent : nullptr);
+  const int n = c.measure == 1 ? 9 : 6;
+  if (!are_finite(stress, n) || (c.with_tangent && !are_finite(tangent, n * n)))
+    return UpdateStatus::not_finite;
+  Result result{stress, tangent, 1, u.psi, {}};
+  state_of(u, result.state);
+  return take(result) ? UpdateStatus::ok : UpdateStatus::not_finite;
+}
 
 /// The fastest that this machine has.
 inline MyogrowthUpdateBlock* update_block() {
@@ -20,15 +70,6 @@ inline MyogrowthUpdateBlock* update_block() {
 #else
   return myogrowth_update_block_base;
 #endif
-}
-
-inline MyogrowthBlockMaterial block_material(const FibreGrowth<double>& m) {
-  return {m.c1,
-          m.c2,
-          {m.growth.tau, m.growth.gamma, m.growth.G_max, m.growth.lambda_crit},
-          {m.removal.tau_rev, m.removal.gamma_rev, m.removal.G_min, m.removal.lambda_crit_rev},
-          m.energy == EnergyPer::grown_volume,
-          m.integration == TimeIntegration::midpoint_flow};
 }
 
 // Whether packs may do it: they are not made for numbers so large or small that a product of a few is out of
@@ -50,51 +91,51 @@ inline bool packs_can(const double* F, double G_n) {
 }
 
 /// Point k of a block that has been updated.
-struct BlockResult {
-  const MyogrowthBlock& block;
-  int k;
-  /// The first n components of one of its arrays, one after the other.
-  template <int n>
-  void gather(const double* components, double* to) const {
-    for (int i = 0; i < n; ++i) to[i] = components[k + i * myogrowth_block_points];
-  }
-  /// The entries of STATEV that a point keeps, and psi.
-  double psi() const { return block.scalars[k + 4 * myogrowth_block_points]; }
-  void state(double (&s)[n_kept]) const {
-    s[0] = block.G_end[k];
-    gather<4>(block.scalars, s + 1);
-    gather<3>(block.n0, s + fibre_entry);
-  }
-};
-
-/// Updates many points: in packs those that packs can take, the others one by one.
-/// begin(i, F, start): F and what the step of point i starts from; false if packs are not to take it.
-/// keep(i, result): false if the result is none for the host. alone(i): the update of all other points.
-template <class Begin, class Keep, class Alone>
-void update_many(const FibreGrowth<double>& m, double dt, int n_points, int measure, bool with_tangent,
-                 const Begin& begin, const Keep& keep, const Alone& alone) {
+inline Result result_of(const MyogrowthBlock& block, int k) {
   constexpr int size = myogrowth_block_points;
-  const MyogrowthBlockMaterial material = block_material(m);
-  const bool material_can = packs_can(m, dt);
+  Result r{block.stress + k, block.tangent + k, size, block.scalars[k + 4 * size], {block.G_end[k]}};
+  for (int i = 0; i < 4; ++i) r.state[1 + i] = block.scalars[k + size * i];
+  for (int i = 0; i < 3; ++i) r.state[fibre_entry + i] = block.n0[k + size * i];
+  return r;
+}
+
+/// Updates many points: in packs those that packs can take, the others one by one. read(i, F): copies F of
+/// point i and returns its state. take(i, result): as update_alone's. refuse(i, status, text): point i has no
+/// result; the text may be empty.
+template <class Read, class Take, class Refuse>
+void update_many(const Common& c, int n_points, const Read& read, const Take& take, const Refuse& refuse) {
+  constexpr int size = myogrowth_block_points;
+  double props[n_props];
+  write(c.properties.material, props);
+  const bool material_can = packs_can(c.properties.material, c.dt) && !c.properties.local_basis;
   MyogrowthBlock block;
-  block.dt = dt;
+  block.dt = c.dt;
+  Text text;
   for (int first = 0, left = n_points; left > 0; first += size, left -= size) {
     const int count = left < size ? left : size;
     bool done[size] = {};
     for (int k = 0; k < count && material_can; ++k) {
       Start start;
       double F[9], unit[3] = {1, 0, 0};
-      done[k] = begin(first + k, F, start) && normalise(start.n0, unit) && packs_can(F, start.G);
+      const double* state = read(first + k, F);
+      done[k] = find_start(state, c.n_state, c.properties, start, text) == UpdateStatus::ok &&
+                normalise(start.n0, unit) && packs_can(F, start.G);
       // Where it is not for packs, an undeformed point stands in its place.
       for (int i = 0; i < 9; ++i) block.F[k + size * i] = done[k] ? F[i] : i % 4 == 0 ? 1 : 0;
       for (int i = 0; i < 3; ++i) block.n0[k + size * i] = unit[i];
       block.G[k] = done[k] ? start.G : 1;
       block.lambda[k] = done[k] ? start.lambda : 1;
     }
-    if (material_can) update_block()(&material, count, measure, with_tangent, &block);
+    if (material_can) update_block()(props, count, c.measure, c.with_tangent, &block);
     for (int k = 0; k < count; ++k) {
-      done[k] = done[k] && block.check[k] == 0 && keep(first + k, BlockResult{block, k});
-      if (!done[k]) alone(first + k);
+      const int i = first + k;
+      if (done[k] && block.check[k] == 0 && take(i, result_of(block, k))) continue;
+      double F[9];
+      const double* state = read(i, F);
+      PointUpdate<double> u;
+      const UpdateStatus status = update_alone(c, c.properties.material, u, F, state, text,
+                                               [&](const Result& r) { return take(i, r); });
+      if (status != UpdateStatus::ok) refuse(i, status, text);
     }
     if (left <= size) break;  // `first` must not pass the largest int
   }

@@ -18,10 +18,9 @@ using namespace myogrowth::abi::mgis;
 constexpr int first_parameter = abi::energy_entry, n_parameters = abi::hybrid_entry - first_parameter;
 constexpr int n_variables = abi::fibre_entry;
 // Parameters have defaults and are set for the whole process, as those of MFront are.
-std::atomic<double> parameters[n_parameters] = {{abi::property(10).initial}, {abi::property(11).initial},
-                                                {abi::property(12).initial}, {abi::property(13).initial},
-                                                {abi::property(14).initial}, {abi::property(15).initial},
-                                                {abi::property(16).initial}};
+#define MYOGROWTH_DEFAULT(symbol, unit, meaning, initial, allowed) {initial},
+std::atomic<double> parameters[n_parameters] = {MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_DEFAULT)};
+#undef MYOGROWTH_DEFAULT
 
 bool find_properties_fault(const double* given, abi::Properties& properties, abi::Text& text) {
   double known[abi::n_props];
@@ -31,14 +30,10 @@ bool find_properties_fault(const double* given, abi::Properties& properties, abi
     known[first_parameter + i] = parameters[i].load(std::memory_order_relaxed);
   }
   const int bad = abi::read(known, properties);
-  if (bad >= 0) {
-    return abi::tell_bad_entry(bad, known[bad], text);
-  }
+  if (bad >= 0) return abi::tell_bad_entry(bad, known[bad], text);
   const double* n0 = properties.n0;
-  if (n0[0] == 0 && n0[1] == 0 && n0[2] == 0) {
-    return abi::tell(text, "n0_1, n0_2, n0_3 = 0, 0, 0: n0, the fibre direction, must have a length > 0.");
-  }
-  return false;
+  return n0[0] == 0 && n0[1] == 0 && n0[2] == 0 &&
+         abi::tell(text, "n0_1, n0_2, n0_3 = 0, 0, 0: n0, the fibre direction, must have a length > 0.");
 }
 
 // The state at the beginning, in the places of STATEV.

@@ -12,12 +12,16 @@ using Names = const char* [n];
 template <int n>
 using Types = int[n];
 
-constexpr int n_parameters = abi::hybrid_entry - abi::energy_entry;  // PROPS(11:17)
-constexpr int n_variables = abi::fibre_entry, n_variables_plane_stress = n_variables + 1;
-
-constexpr Name symbol(int i) { return abi::Tables<>::property[i].symbol; }
+constexpr int n_variables = abi::fibre_entry;
 constexpr Name variable(int i) { return abi::Tables<>::state_variable[i].symbol; }
-constexpr bool is_text(Name a, Name b) { return *a == *b && (*a == 0 || is_text(a + 1, b + 1)); }
+
+// Of the rows of PROPS: how many, and their names.
+#define MYOGROWTH_COUNT(...) +1
+#define MYOGROWTH_NAME(symbol, ...) #symbol,
+constexpr int n_properties = MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_COUNT);
+constexpr int n_parameters = MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_COUNT);
+static_assert(n_properties == abi::n_props_plain && n_parameters == abi::hybrid_entry - abi::energy_entry,
+              "what mgis.cpp reads");
 
 }  // namespace
 
@@ -26,13 +30,15 @@ extern "C" {
 #define MYOGROWTH_MGIS(type, name)      \
   extern const type FibreGrowth_##name; \
   const type FibreGrowth_##name
-// Of entry i of PROPS, whose symbol is held to the table.
-#define MYOGROWTH_MGIS_BOUND(i, name, bound)                      \
-  static_assert(is_text(symbol(i), #name), "the table's symbol"); \
-  MYOGROWTH_MGIS(long double, name##_LowerPhysicalBound) = bound
-#define MYOGROWTH_MGIS_DEFAULT(i, name)                           \
-  static_assert(is_text(symbol(i), #name), "the table's symbol"); \
-  MYOGROWTH_MGIS(double, name##_ParameterDefaultValue) = abi::Tables<>::property[i].initial
+// A lower bound for the rows that have one, a default.
+#define MYOGROWTH_MGIS_BOUND(symbol, unit, meaning, initial, allowed) MYOGROWTH_BOUND_##allowed(symbol)
+#define MYOGROWTH_BOUND_positive(symbol) MYOGROWTH_MGIS(long double, symbol##_LowerPhysicalBound) = 0;
+#define MYOGROWTH_BOUND_not_negative(symbol) MYOGROWTH_BOUND_positive(symbol)
+#define MYOGROWTH_BOUND_above_one(symbol) MYOGROWTH_MGIS(long double, symbol##_LowerPhysicalBound) = 1;
+#define MYOGROWTH_BOUND_bulk_positive(symbol)
+#define MYOGROWTH_BOUND_any(symbol)
+#define MYOGROWTH_MGIS_DEFAULT(symbol, unit, meaning, initial, allowed) \
+  MYOGROWTH_MGIS(double, symbol##_ParameterDefaultValue) = initial;
 
 // What the entry is.
 MYOGROWTH_MGIS(Name, mfront_ept) = "FibreGrowth";
@@ -68,14 +74,9 @@ MYOGROWTH_MGIS(unsigned short, nTangentOperatorBlocks) = 2;
 MYOGROWTH_MGIS(Names<2>, TangentOperatorBlocks) = {"Stress", "DeformationGradient"};
 
 // Material properties: PROPS(1:9). Temperature, which MGIS adds to the external state variables, is not read.
-MYOGROWTH_MGIS(unsigned short, nMaterialProperties) = abi::n_props_plain;
-MYOGROWTH_MGIS(Names<abi::n_props_plain>, MaterialProperties) = {
-    symbol(0), symbol(1), symbol(2), symbol(3), symbol(4), symbol(5), symbol(6), symbol(7), symbol(8)};
-MYOGROWTH_MGIS_BOUND(1, c2, 0);
-MYOGROWTH_MGIS_BOUND(2, tau, 0);
-MYOGROWTH_MGIS_BOUND(3, gamma, 0);
-MYOGROWTH_MGIS_BOUND(4, G_max, 1);
-MYOGROWTH_MGIS_BOUND(5, lambda_crit, 0);
+MYOGROWTH_MGIS(unsigned short, nMaterialProperties) = n_properties;
+MYOGROWTH_MGIS(Names<n_properties>, MaterialProperties) = {MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_NAME)};
+MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_MGIS_BOUND)
 MYOGROWTH_MGIS(unsigned short, nExternalStateVariables) = 0;
 MYOGROWTH_MGIS(Names<1>, ExternalStateVariables) = {nullptr};
 MYOGROWTH_MGIS(Types<1>, ExternalStateVariablesTypes) = {0};
@@ -89,22 +90,15 @@ MYOGROWTH_MGIS(unsigned short, nInternalStateVariables) = n_variables;
 MYOGROWTH_MGIS(Names<n_variables>, InternalStateVariables) = {variable(0), variable(1), variable(2),
                                                               variable(3), variable(4)};
 MYOGROWTH_MGIS(Types<n_variables>, InternalStateVariablesTypes) = {};
-MYOGROWTH_MGIS(unsigned short, PlaneStress_nInternalStateVariables) = n_variables_plane_stress;
-MYOGROWTH_MGIS(Names<n_variables_plane_stress>, PlaneStress_InternalStateVariables) = {
+MYOGROWTH_MGIS(unsigned short, PlaneStress_nInternalStateVariables) = n_variables + 1;
+MYOGROWTH_MGIS(Names<n_variables + 1>, PlaneStress_InternalStateVariables) = {
     variable(0), variable(1), variable(2), variable(3), variable(4), variable(abi::thickness_entry)};
-MYOGROWTH_MGIS(Types<n_variables_plane_stress>, PlaneStress_InternalStateVariablesTypes) = {};
+MYOGROWTH_MGIS(Types<n_variables + 1>, PlaneStress_InternalStateVariablesTypes) = {};
 MYOGROWTH_MGIS(long double, G_LowerPhysicalBound) = 0;
 
 // Parameters: PROPS(11:17), all of them real numbers (type 0).
 MYOGROWTH_MGIS(unsigned short, nParameters) = n_parameters;
-MYOGROWTH_MGIS(Names<n_parameters>, Parameters) = {symbol(10), symbol(11), symbol(12), symbol(13),
-                                                   symbol(14), symbol(15), symbol(16)};
+MYOGROWTH_MGIS(Names<n_parameters>, Parameters) = {MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_NAME)};
 MYOGROWTH_MGIS(Types<n_parameters>, ParametersTypes) = {};
-MYOGROWTH_MGIS_DEFAULT(10, energy);
-MYOGROWTH_MGIS_DEFAULT(11, integration);
-MYOGROWTH_MGIS_DEFAULT(12, tolerance);
-MYOGROWTH_MGIS_DEFAULT(13, tau_rev);
-MYOGROWTH_MGIS_DEFAULT(14, gamma_rev);
-MYOGROWTH_MGIS_DEFAULT(15, G_min);
-MYOGROWTH_MGIS_DEFAULT(16, lambda_crit_rev);
+MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_MGIS_DEFAULT)
 }

@@ -52,37 +52,44 @@ constexpr int fibre_entry = 5;        ///< index of the first of the fibre's thr
 constexpr int thickness_entry = 8;    ///< index of the thickness stretch in STATEV
 constexpr int n_statev_required = 1;  ///< G has to be remembered
 
+// The rows of PROPS: symbol, unit, meaning, what is taken when PROPS ends before it, what is allowed. (Lists
+// of macros, since MGIS wants symbols of these names: mgis_symbols.cpp.)
+#define MYOGROWTH_PROPS_OF_MUSCLE(X)                                                         \
+  X(c1, "stress", "first Lame constant", 0, bulk_positive)                                   \
+  X(c2, "stress", "second Lame constant (shear modulus)", 0, positive)                       \
+  X(tau, "time", "time constant of growth", 0, positive)                                     \
+  X(gamma, "-", "shape exponent of the adaptation function", 0, not_negative)                \
+  X(G_max, "-", "largest relative serial sarcomere number", 0, above_one)                    \
+  X(lambda_crit, "-", "elastic fibre stretch above which sarcomeres are added", 0, positive) \
+  X(n0_1, "-", "fibre direction n0, reference configuration; any length > 0", 1, any)        \
+  X(n0_2, "-", "(second component)", 0, any)                                                 \
+  X(n0_3, "-", "(third component)", 0, any)
+#define MYOGROWTH_PROPS_OF_FRAME(X) \
+  X(frame, "-", "0: DFGRD1 is F in fixed axes; 1: local basis, F := sqrt(DFGRD1 DFGRD1^T)", 0, zero_or_one)
+#define MYOGROWTH_PROPS_OF_STEP(X)                                                                           \
+  X(energy, "-", "psi per unit 0: reference volume, 1: grown volume", 0, zero_or_one)                        \
+  X(integration, "-", "of eq. 4 in time 0: backward Euler, 1: second order (flow at mid-step stretch)", 0,   \
+    zero_or_one)                                                                                             \
+  X(tolerance, "-", "of the time error of G in a step, for advice by PNEWDT; 0: no advice", 0, not_negative) \
+  X(tau_rev, "time", "time constant of removal; 0: nothing is removed, and 15-17 are not used", 0,           \
+    not_negative)                                                                                            \
+  X(gamma_rev, "-", "shape exponent of removal; required if tau_rev > 0", 0, not_negative)                   \
+  X(G_min, "-", "smallest relative serial sarcomere number; required if tau_rev > 0", 0, below_one)          \
+  X(lambda_crit_rev, "-",                                                                                    \
+    "elastic fibre stretch below which sarcomeres are removed; required if tau_rev > 0", 0,                  \
+    up_to_lambda_crit)
+#define MYOGROWTH_PROPS_OF_ELEMENT(X) \
+  X(hybrid, "-", "1: mixed elements of Abaqus/Standard, with HYBRID FORMULATION=TOTAL", 0, zero_or_one)
+
 /// The tables; a template so that they are one in a program, also in C++14.
 template <class Unused = void>
 struct Tables {
+#define MYOGROWTH_ROW(symbol, unit, meaning, initial, allowed) \
+  {#symbol, unit, meaning, initial, Allowed::allowed},
   static constexpr Property property[n_props] = {
-      {"c1", "stress", "first Lame constant", 0, Allowed::bulk_positive},
-      {"c2", "stress", "second Lame constant (shear modulus)", 0, Allowed::positive},
-      {"tau", "time", "time constant of growth", 0, Allowed::positive},
-      {"gamma", "-", "shape exponent of the adaptation function", 0, Allowed::not_negative},
-      {"G_max", "-", "largest relative serial sarcomere number", 0, Allowed::above_one},
-      {"lambda_crit", "-", "elastic fibre stretch above which sarcomeres are added", 0, Allowed::positive},
-      {"n0_1", "-", "fibre direction n0, reference configuration; any length > 0", 1, Allowed::any},
-      {"n0_2", "-", "(second component)", 0, Allowed::any},
-      {"n0_3", "-", "(third component)", 0, Allowed::any},
-      {"frame", "-", "0: DFGRD1 is F in fixed axes; 1: local basis, F := sqrt(DFGRD1 DFGRD1^T)", 0,
-       Allowed::zero_or_one},
-      {"energy", "-", "psi per unit 0: reference volume, 1: grown volume", 0, Allowed::zero_or_one},
-      {"integration", "-", "of eq. 4 in time 0: backward Euler, 1: second order (flow at mid-step stretch)",
-       0, Allowed::zero_or_one},
-      {"tolerance", "-", "of the time error of G in a step, for advice by PNEWDT; 0: no advice", 0,
-       Allowed::not_negative},
-      {"tau_rev", "time", "time constant of removal; 0: nothing is removed, and 15-17 are not used", 0,
-       Allowed::not_negative},
-      {"gamma_rev", "-", "shape exponent of removal; required if tau_rev > 0", 0, Allowed::not_negative},
-      {"G_min", "-", "smallest relative serial sarcomere number; required if tau_rev > 0", 0,
-       Allowed::below_one},
-      {"lambda_crit_rev", "-",
-       "elastic fibre stretch below which sarcomeres are removed; required if tau_rev > 0", 0,
-       Allowed::up_to_lambda_crit},
-      {"hybrid", "-", "1: mixed elements of Abaqus/Standard, with HYBRID FORMULATION=TOTAL", 0,
-       Allowed::zero_or_one},
-  };
+      MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_ROW) MYOGROWTH_PROPS_OF_FRAME(MYOGROWTH_ROW)
+          MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_ROW) MYOGROWTH_PROPS_OF_ELEMENT(MYOGROWTH_ROW)};
+#undef MYOGROWTH_ROW
   static constexpr StateVariable state_variable[n_statev] = {
       {"G", "relative serial sarcomere number; 0 on entry: not initialised, taken as 1"},
       {"lambda_e", "elastic fibre stretch lambda/G (relative sarcomere length)"},
@@ -92,7 +99,7 @@ struct Tables {
       {"n0_1", "reference fibre direction at this point; if not zero on entry it overrides PROPS(7:9)"},
       {"n0_2", "(second component)"},
       {"n0_3", "(third component)"},
-      {"F33", "thickness stretch, with plane stress alone (NTENS = 3); 0 on entry: not initialised"},
+      {"F33", "thickness stretch, with plane stress only (NTENS = 3); 0 on entry: not initialised"},
   };
 };
 template <class Unused>

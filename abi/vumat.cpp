@@ -25,24 +25,17 @@ namespace {
 using namespace myogrowth;
 using Number = VumatReal;
 
-// An array (nblock, components) as Fortran stores it; point and component count from 0.
-template <class N>
-struct Array {
-  N* data;
-  std::ptrdiff_t nblock;
-  N& operator()(int point, int component) const { return data[point + nblock * component]; }
-};
-
-// The arguments that are used.
+// The arguments that are used. at(point, component), both from 0, is the place in an array (nblock,
+// components).
 struct Block {
   int size, ndir, nshr, nstatev, nprops;
   double dt;
-  const Number *props, *density;
-  Array<const Number> strain_inc, stretch_old, stress_old, state_old;
-  const Number *energy_old, *dissipation_old;
-  Array<const Number> stretch;
-  Array<Number> stress, state;
-  Number *energy, *dissipation;
+  const Number *props, *density, *strain_inc, *stretch_old, *stress_old, *state_old, *energy_old,
+      *dissipation_old, *stretch;
+  Number *stress, *state, *energy, *dissipation;
+  std::ptrdiff_t at(int point, int component) const {
+    return point + static_cast<std::ptrdiff_t>(size) * component;
+  }
 };
 
 void report(const char* text) {
@@ -56,17 +49,12 @@ bool find_fault(const Block& b, abi::Properties& properties, abi::Text& text) {
                      "NDIR, NSHR = %d, %d: this version has 3, 3 alone (solid elements: C3D8R, C3D10M, ...).",
                      b.ndir, b.nshr);
   }
-  return abi::find_room_fault("NSTATEV", b.nstatev, text) ||
-         abi::find_props_fault(b.props, b.nprops, properties, text) ||
-         abi::find_hybrid_fault("Abaqus/Explicit", properties, text) ||
-         abi::find_stretch_fault("NSTATEV", b.nstatev, properties, text);
+  return abi::find_call_fault("Abaqus/Explicit", "NSTATEV", b.props, b.nprops, b.nstatev, properties, text);
 }
 
 // State and energies as they were: Abaqus wants every entry written, ours or not.
 void keep_state(const Block& b) {
-  for (int i = 0; i < b.nstatev; ++i) {
-    for (int k = 0; k < b.size; ++k) b.state(k, i) = b.state_old(k, i);
-  }
+  for (std::ptrdiff_t i = 0; i < b.at(0, b.nstatev); ++i) b.state[i] = b.state_old[i];
   for (int k = 0; k < b.size; ++k) b.energy[k] = b.energy_old[k];
   for (int k = 0; k < b.size; ++k) b.dissipation[k] = b.dissipation_old[k];
 }
@@ -74,100 +62,76 @@ void keep_state(const Block& b) {
 // Stress and energy of a point that has no result: NaN, so that no host can continue silently.
 void refuse(const Block& b, int k) {
   const Number nan = std::numeric_limits<Number>::quiet_NaN();
-  for (int i = 0; i < b.ndir + b.nshr; ++i) b.stress(k, i) = nan;
+  for (int i = 0; i < b.ndir + b.nshr; ++i) b.stress[b.at(k, i)] = nan;
   b.energy[k] = nan;
 }
 
 // Abaqus's data check: made-up strain increments, from which it takes the initial wave speeds. Time does not
 // pass and STRETCH need not belong to them: Hooke's law, to which eq. 3 comes down at small strain.
 void check_data(const Block& b, const FibreGrowth<double>& material, int k) {
-  const auto strain = [&](int i) { return static_cast<double>(b.strain_inc(k, i)); };
+  const auto strain = [&](int i) { return static_cast<double>(b.strain_inc[b.at(k, i)]); };
   const double pressure = material.c1 * (strain(0) + strain(1) + strain(2));
   for (int i = 0; i < 6; ++i) {
     const double increment = 2 * material.c2 * strain(i) + (i < 3 ? pressure : 0);
-    b.stress(k, i) = static_cast<Number>(b.stress_old(k, i) + increment);
+    b.stress[b.at(k, i)] = static_cast<Number>(b.stress_old[b.at(k, i)] + increment);
   }
 }
 
-// Components 11 22 33 12 23 31 as F, column by column.
-void read_symmetric(const Array<const Number>& s, int k, double F[9]) {
+// U of point k as F, column by column, from components 11 22 33 12 23 31.
+void read_stretch(const Block& b, const Number* stretch, int k, double F[9]) {
   const int component[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
-  for (int i = 0; i < 9; ++i) F[i] = s(k, component[i]);
-}
-
-// What the step of point k starts from. True, and the text, if that is not allowed.
-bool find_start_fault(const Block& b, const abi::Properties& properties, int k, abi::Start& start,
-                      abi::Text& text) {
-  double state[abi::n_kept];
-  for (int i = 0; i < abi::n_kept; ++i) state[i] = i < b.nstatev ? b.state_old(k, i) : 0;
-  return abi::find_start(state, b.nstatev, properties, start, text) != UpdateStatus::ok;
+  for (int i = 0; i < 9; ++i) F[i] = stretch[b.at(k, component[i])];
 }
 
 // Writes a result; false, and nothing is written, if it is beyond the range of Abaqus's numbers.
-bool write(const Block& b, int k, const double (&sigma)[6], const double (&state)[abi::n_kept], double psi) {
+bool write(const Block& b, int k, const abi::Result& r) {
   // Energy is asked for per unit mass, and the density is that of the middle of the step.
-  double U_old[9];
-  read_symmetric(b.stretch_old, k, U_old);
-  const double J_mid = (determinant(U_old) + state[3]) / 2;
-  const Number energy = static_cast<Number>(psi / (b.density[k] * J_mid));
+  double U_old[9], sigma[6];
+  read_stretch(b, b.stretch_old, k, U_old);
+  r.copy<6>(sigma, nullptr);
+  const double J_mid = (determinant(U_old) + r.state[3]) / 2;
+  const Number energy = static_cast<Number>(r.psi / (b.density[k] * J_mid));
   bool finite = is_finite(energy);
   for (double x : sigma) finite = finite && is_finite(static_cast<Number>(x));
-  for (double x : state) finite = finite && is_finite(static_cast<Number>(x));
+  for (double x : r.state) finite = finite && is_finite(static_cast<Number>(x));
   if (!finite) return false;
   const int kernel_index[6] = {0, 1, 2, 3, 5, 4};  // the kernel's order is 11 22 33 12 13 23
-  for (int i = 0; i < 6; ++i) b.stress(k, i) = static_cast<Number>(sigma[kernel_index[i]]);
-  for (int i = 0; i < abi::kept_entries(b.nstatev); ++i) b.state(k, i) = static_cast<Number>(state[i]);
+  for (int i = 0; i < 6; ++i) b.stress[b.at(k, i)] = static_cast<Number>(sigma[kernel_index[i]]);
+  for (int i = 0; i < abi::kept_entries(b.nstatev); ++i)
+    b.state[b.at(k, i)] = static_cast<Number>(r.state[i]);
   b.energy[k] = energy;
   return true;
 }
 
-// The update of a point that packs do not take. False, and the text if it is a fault, if there is no result.
-bool update(const Block& b, const abi::Properties& properties, int k, abi::Text& text) {
-  double U[9], sigma[6], state[abi::n_kept];
-  abi::Start start;
-  if (find_start_fault(b, properties, k, start, text)) return false;
-  read_symmetric(b.stretch, k, U);
-  PointUpdate<double> u;
-  if (update_point(properties.material, U, start.n0, start.G, start.lambda, b.dt, u) != UpdateStatus::ok)
-    return false;
-  cauchy_from_kirchhoff(u.J, u.tau, sigma);
-  abi::state_of(u, state);
-  return write(b, k, sigma, state, u.psi);
-}
-
-void update_block(const Block& b, bool is_data_check) {
+void update(const Block& b, bool is_data_check) {
   keep_state(b);
-  abi::Properties properties;
+  const int cauchy = 0;
+  abi::Common common{{}, b.nstatev, b.dt, cauchy, false};
   abi::Text text;
-  if (find_fault(b, properties, text)) {
+  if (find_fault(b, common.properties, text)) {
     for (int k = 0; k < b.size; ++k) refuse(b, k);
     report(text);
     return;
   }
   if (is_data_check) {
-    for (int k = 0; k < b.size; ++k) check_data(b, properties.material, k);
+    for (int k = 0; k < b.size; ++k) check_data(b, common.properties.material, k);
     return;
   }
+  common.properties.local_basis = false;  // U is in the basis that turns with the material as it is
+  double state[abi::n_kept] = {};
   bool reported = false;  // one message a call
-  const int cauchy = 0;
   abi::update_many(
-      properties.material, b.dt, b.size, cauchy, false,
-      [&](int k, double(&U)[9], abi::Start& start) {
-        read_symmetric(b.stretch, k, U);
-        return !find_start_fault(b, properties, k, start, text);
+      common, b.size,
+      [&](int k, double(&U)[9]) {
+        read_stretch(b, b.stretch, k, U);
+        for (int i = 0; i < abi::n_kept && i < b.nstatev; ++i) state[i] = b.state_old[b.at(k, i)];
+        return state;
       },
-      [&](int k, const abi::BlockResult& r) {
-        double sigma[6], state[abi::n_kept];
-        r.gather<6>(r.block.stress, sigma);
-        r.state(state);
-        return write(b, k, sigma, state, r.psi());
-      },
-      [&](int k) {
-        text[0] = '\0';
-        if (update(b, properties, k, text)) return;
+      [&](int k, const abi::Result& r) { return write(b, k, r); },
+      [&](int k, UpdateStatus, const abi::Text& fault) {
         refuse(b, k);
-        if (text[0] && !reported) report(text);
-        reported = reported || text[0];
+        if (fault[0] && !reported) report(fault);
+        reported = reported || fault[0];
       });
 }
 
@@ -186,27 +150,11 @@ void MYOGROWTH_FORTRAN(vumat, VUMAT)(
     const Number* enerInelasOld, const Number* /*tempNew*/, const Number* stretchNew,
     const Number* /*defgradNew*/, const Number* /*fieldNew*/, Number* stressNew, Number* stateNew,
     Number* enerInternNew, Number* enerInelasNew) {
-  const int n = *nblock;
-  const Block block{n,
-                    *ndir,
-                    *nshr,
-                    *nstatev,
-                    *nprops,
-                    *dt,
-                    props,
-                    density,
-                    {strainInc, n},
-                    {stretchOld, n},
-                    {stressOld, n},
-                    {stateOld, n},
-                    enerInternOld,
-                    enerInelasOld,
-                    {stretchNew, n},
-                    {stressNew, n},
-                    {stateNew, n},
-                    enerInternNew,
-                    enerInelasNew};
-  update_block(block, *stepTime == 0 && *totalTime == 0);
+  const Block block{*nblock,   *ndir,    *nshr,         *nstatev,      *nprops,
+                    *dt,       props,    density,       strainInc,     stretchOld,
+                    stressOld, stateOld, enerInternOld, enerInelasOld, stretchNew,
+                    stressNew, stateNew, enerInternNew, enerInelasNew};
+  update(block, *stepTime == 0 && *totalTime == 0);
 }
 /// The same routine under a name of its own, for a user's VUMAT that dispatches between materials.
 MYOGROWTH_SECOND_NAME(Vumat, MYOGROWTH_FORTRAN(myogrowth_vumat, MYOGROWTH_VUMAT),
