@@ -69,7 +69,7 @@ Update<T, ElasticPointUpdate<T>> grow(const Sample<Law>& s, const Mat3<T>& F) {
 template <class Law>
 class ElasticLaw : public testing::Test {};
 using Laws = testing::Types<NeoHookean<>, Roehrle<>, Blemker<>, Ehret<>>;
-TYPED_TEST_SUITE(ElasticLaw, Laws);
+TYPED_TEST_SUITE(ElasticLaw, Laws, );  // (clang wants the comma)
 
 TYPED_TEST(ElasticLaw, ModulusIsTheComplexStepOfTheStress) {
   samples::Random r(101);

@@ -171,7 +171,7 @@ double error(const Eigen::MatrixXd& exact, const Eigen::MatrixXd& x) {
 template <class Law>
 class AccuracyOfLaws : public testing::Test {};
 using Laws = testing::Types<Roehrle<>, Blemker<>, Ehret<>>;
-TYPED_TEST_SUITE(AccuracyOfLaws, Laws);
+TYPED_TEST_SUITE(AccuracyOfLaws, Laws, );  // (clang wants the comma)
 
 TYPED_TEST(AccuracyOfLaws, AgainstFiftyDigits) {
   samples::Random r(20261128);
