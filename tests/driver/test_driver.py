@@ -767,12 +767,18 @@ class CubeJob(unittest.TestCase):
         case = (folder / "cube.nml").read_text()
         self.assertIn("1.5", case)
         self.assertIn("duration = 5.0", case)
+        done, folder = self.cube("--law", "2", "--activation", "0.5", "--step", "0.1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("0.0, 0.0, 0.5, 2.0, 1.1, 1.01, 1.0, 0.0, 0.0, 9*0.0, 2.0, 0.5", (folder / "cube.nml").read_text())
+        self.assertIn("G, day 42                      1.08680   1.08682", done.stdout)  # eq. 4 needs the stretch only
         for options, status, words in (
             ("--step -1", 2, "argument --step: -1: must be a finite number > 0"),
             ("--step 43", 2, "--step = 43.0: must be between --duration/100000 and --duration = 42.0"),
             ("--step 1e-9", 2, "--step = 1e-09: must be between"), ("--ramp 43", 2, "--ramp = 43.0: must be at most --duration = 42.0"),
             ("--tau nan", 2, "argument --tau: nan: must be a finite number"), ("--tau 0,5", 2, "must be a finite number: write a decimal point"),
             ("--duration inf", 2, "argument --duration: inf: must be a finite number"), ("--tau 1 --tau 1", 2, "--tau is given twice"),
+            ("--law 2 --c1 5", 2, "--c1: is not of --law 2"), ("--activation 0.5", 2, "--activation: is not of --law 0"),
+            ("--law 4", 2, "argument --law: invalid choice: 4"), ("--law 1 --activation 1.5", 2, "--activation = 1.5: must be from 0"),
             ("--ste 1", 2, "unrecognized arguments: --ste 1"), ("--step", 2, "--step: expected one argument"),
             ("--duration 1e16 --step 1e12", 1, "duration = 1e+16: must be 1e-12 to 1e12"),
             ("--G-max 0.9", 1, "PROPS(5) = 0.9: G_max"), ("--tau 0", 1, "PROPS(3) = 0: tau"),
