@@ -35,6 +35,9 @@ struct Counted {
   friend constexpr bool operator==(Counted a, Counted b) { return a.x == b.x; }
   friend constexpr bool operator!=(Counted a, Counted b) { return a.x != b.x; }
   friend constexpr Counted value(Counted a) { return a; }
+  friend Counted abs(Counted a) { return std::abs(a.x); }
+  friend Counted frexp(Counted a, int* exponent) { return std::frexp(a.x, exponent); }
+  friend Counted ldexp(Counted a, int exponent) { return std::ldexp(a.x, exponent); }
   friend Counted sqrt(Counted a) { return flop(std::sqrt(a.x)); }
   friend Counted log1p(Counted a) { return function(std::log1p(a.x)); }
   friend Counted log(Counted a) { return function(std::log(a.x)); }

@@ -209,9 +209,11 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE UpdateStatus examine(const T F[9], T& J) {
 template <class T>
 MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE T logarithm(const T& x) {
   using V = Real<T>;
+  using std::frexp;
+  using std::ldexp;
   int exponent;
-  (void)std::frexp(value(x), &exponent);
-  const T mantissa = x * std::ldexp(V(1), -exponent);  // in [1/2, 1)
+  (void)frexp(value(x), &exponent);
+  const T mantissa = x * ldexp(V(1), -exponent);  // in [1/2, 1)
   return log1p(T(mantissa - V(1))) + V(exponent) * V(0.69314718055994530941723212145817657L);
 }
 
