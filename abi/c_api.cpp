@@ -93,8 +93,10 @@ void write_state(int n_state, const Point& p, const double (&state)[abi::n_kept]
   for (int i = 0; i < n_state; ++i) p.state_out[i] = i < n ? state[i] : p.state_in[i];
 }
 
-bool write(const Common& common, const Point& p, const abi::Result& r) {
-  common.measure == MYOGROWTH_FIRST_PIOLA ? r.copy<9>(p.stress, p.tangent) : r.copy<6>(p.stress, p.tangent);
+template <class Result>
+bool write(const Common& common, const Point& p, const Result& r) {
+  common.measure == MYOGROWTH_FIRST_PIOLA ? r.template copy<9>(p.stress, p.tangent)
+                                          : r.template copy<6>(p.stress, p.tangent);
   if (p.energy) *p.energy = r.psi;
   write_state(common.n_state, p, r.state);
   return true;
@@ -134,7 +136,7 @@ UpdateStatus with_material(const Common& common, const Use& use) {
 
 UpdateStatus update(const Common& common, const Point& p, abi::Text& text) {
   return with_material(common, [&](auto& u, const auto& material, const auto&... activation) {
-    const auto take = [&](const abi::Result& r) { return write(common, p, r); };
+    const auto take = [&](const auto& r) { return write(common, p, r); };
     return abi::update_alone(common, material, u, p.F, p.state_in, text, take, activation...);
   });
 }
@@ -209,7 +211,7 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
         for (int c = 0; c < 9; ++c) F_i[c] = p.F[c];
         return p.state_in;
       },
-      [&](int i, const abi::Result& r) {
+      [&](int i, const auto& r) {
         if (status) status[i] = MYOGROWTH_OK;
         return write(common, points.at(i, common), r);
       },

@@ -61,8 +61,8 @@ void update(const double* F, double dtime, const double* props, int nprops, doub
   }
   double factor = 1;
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatev);
-  const auto write = [&](const abi::Result& r) {
-    r.copy<6>(S, dS_dE);
+  const auto write = [&](const auto& r) {
+    r.template copy<6>(S, dS_dE);
     if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, r.state[abi::stretch_entry], dtime);
     for (int i = 0; i < abi::kept_entries(nstatev); ++i) statev[i] = r.state[i];
     return true;

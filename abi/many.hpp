@@ -21,10 +21,10 @@ struct Common {
   bool with_tangent;
 };
 
-/// What a step gives at one point, for the host to take.
+/// What a step gives at one point, for the host to take: component c of stress and tangent at [c * stride].
+template <int stride>
 struct Result {
-  const double *stress, *tangent;  ///< component c at [c * stride]
-  int stride;
+  const double *stress, *tangent;
   double psi, state[n_kept];
   /// The n components of the stress, and of the tangent unless it is null, one after the other.
   template <int n>
@@ -55,7 +55,7 @@ UpdateStatus update_alone(const Common& c, const Material& material, Point& u, c
   const int n = c.measure == 1 ? 9 : 6;
   if (!are_finite(stress, n) || (c.with_tangent && !are_finite(tangent, n * n)))
     return UpdateStatus::not_finite;
-  Result result{stress, tangent, 1, u.psi, {}};
+  Result<1> result{stress, tangent, u.psi, {}};
   state_of(u, result.state);
   return take(result) ? UpdateStatus::ok : UpdateStatus::not_finite;
 }
@@ -91,9 +91,9 @@ inline bool packs_can(const double* F, double G_n) {
 }
 
 /// Point k of a block that has been updated.
-inline Result result_of(const MyogrowthBlock& block, int k) {
+inline Result<myogrowth_block_points> result_of(const MyogrowthBlock& block, int k) {
   constexpr int size = myogrowth_block_points;
-  Result r{block.stress + k, block.tangent + k, size, block.scalars[k + 4 * size], {block.G_end[k]}};
+  Result<size> r{block.stress + k, block.tangent + k, block.scalars[k + 4 * size], {block.G_end[k]}};
   for (int i = 0; i < 4; ++i) r.state[1 + i] = block.scalars[k + size * i];
   for (int i = 0; i < 3; ++i) r.state[fibre_entry + i] = block.n0[k + size * i];
   return r;
@@ -134,7 +134,7 @@ void update_many(const Common& c, int n_points, const Read& read, const Take& ta
       const double* state = read(i, F);
       PointUpdate<double> u;
       const UpdateStatus status = update_alone(c, c.properties.material, u, F, state, text,
-                                               [&](const Result& r) { return take(i, r); });
+                                               [&](const auto& r) { return take(i, r); });
       if (status != UpdateStatus::ok) refuse(i, status, text);
     }
     if (left <= size) break;  // `first` must not pass the largest int

@@ -84,11 +84,12 @@ void read_stretch(const Block& b, const Number* stretch, int k, double F[9]) {
 }
 
 // Writes a result; false, and nothing is written, if it is beyond the range of Abaqus's numbers.
-bool write(const Block& b, int k, const abi::Result& r) {
+template <class Result>
+bool write(const Block& b, int k, const Result& r) {
   // Energy is asked for per unit mass, and the density is that of the middle of the step.
   double U_old[9], sigma[6];
   read_stretch(b, b.stretch_old, k, U_old);
-  r.copy<6>(sigma, nullptr);
+  r.template copy<6>(sigma, nullptr);
   const double J_mid = (determinant(U_old) + r.state[3]) / 2;
   const Number energy = static_cast<Number>(r.psi / (b.density[k] * J_mid));
   bool finite = is_finite(energy);
@@ -127,7 +128,7 @@ void update(const Block& b, bool is_data_check) {
         for (int i = 0; i < abi::n_kept && i < b.nstatev; ++i) state[i] = b.state_old[b.at(k, i)];
         return state;
       },
-      [&](int k, const abi::Result& r) { return write(b, k, r); },
+      [&](int k, const auto& r) { return write(b, k, r); },
       [&](int k, UpdateStatus, const abi::Text& fault) {
         refuse(b, k);
         if (fault[0] && !reported) report(fault);
