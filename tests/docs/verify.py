@@ -50,6 +50,15 @@ CLAIMS = {
               "compared with 50 digits",
               r"unit\.(Fibres/)?PlaneStress\.(Frees|Against).*", "worst: stress across #, tangent #",
               "worst: stress across {0} (c1 + c2), tangent {1}"),
+        Claim("the elastic laws 1 to 3 agree with an independent evaluation in 50 digits: growing, any activation, oblique fibres, both "
+              "energy conventions; tangents compared with differences of the reference's own time step",
+              r"verification\.AccuracyOfLaws\.AgainstFiftyDigits.*", "worst relative error: stress #  DDSDDE #  psi #",
+              "worst relative error: stress {0}, DDSDDE {1}, ψ {2} (limited by the reference's integral)"),
+        Claim("growth with any elastic law: the tangent is the complex step of the discrete update, also with removal and second order",
+              r"unit\.ElasticLaw\.TangentOfTheGrowingMuscle.*"),
+        Claim("growth with any elastic law: for the neo-Hookean one the general formula is the closed form, to 1e-13",
+              r"unit\.FibreGrowthOf\.TheNeoHookeanLawGivesTheClosedForm"),
+        Claim("law 3 gives the values of two of 4C's regression tests, to 1e-12 and 1e-9", r"unit\.Ehret\..*Of4C"),
     ],
     "Time integration": [
         Claim("the time step is of first order", r"verification\.History\.BackwardEulerConvergesWithOrderOne", "orders # to #",
