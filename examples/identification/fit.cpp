@@ -34,6 +34,11 @@ together, each with its own history; the parameters, and what is to be fitted, a
   --starts N         fits from N starts, the first from the values set, the others at random; default 8
   --coverage RUNS    takes the values set as true, generates random measurements at the days and with the deviations
                      of FILE, RUNS times, and prints how often the 95 % intervals contain the true values
+  --design DAYS      plans an experiment: which DAYS (1 to 4) of the history, and how many subjects, tell the parameters
+                     that are set from --against NAME=VALUE, one of those fitted, the others fitted again; simulated
+                     with --coverage RUNS, default 200
+  --noise SD         scatter of lambda_e between subjects; default 0.07 (Chen et al. 2016: 0.21 of 2.84 um)
+  --power P          how often the difference is to be found at the 5 % level; default 0.9
   --seed N           of all random numbers; default 1
   --out DIR          folder of report.json, report.md and the pictures; default out/fit/NAME OF FILE
 )";
@@ -448,6 +453,94 @@ int coverage(Question q, const Values& truth, const Free& free, const Plan& plan
   return 0;
 }
 
+/// What an experiment is to tell, and how well.
+struct Design {
+  std::size_t parameter;  // its truth is what is set
+  double against, noise, z_power;
+  long days;
+};
+
+/// How many sd^2 the best fit with the other value is away, for one subject measured on these days.
+double distance(const study::Study& data, const std::vector<double>& days, const Design& d,
+                const Values& truth, const Free& free) {
+  std::vector<study::Study> one{data};
+  one[0].measurements.clear();
+  for (double day : days) one[0].measurements.push_back({day, study::Quantity::lambda_e, 1, d.noise});
+  Question q = question_of(one, 0);
+  for (std::size_t i = 0; i < q.measured.size(); ++i) q.measured[i].value = q.computed(truth.data(), i);
+  Values other = truth;
+  other[d.parameter] = d.against;
+  Free others = free;
+  others[d.parameter] = false;
+  return minimise(q, other, others).chi2;
+}
+
+/// Which days tell most, chosen one after the other, and how many subjects they need.
+int design(const study::Study& data, const Values& truth, const Free& free, const Design& d, long runs,
+           std::mt19937_64& random, const study::Folder& out) {
+  constexpr int n = 40;
+  const double end = data.knots.back().time;
+  std::vector<double> candidates, days;
+  for (int i = 1; i <= n; ++i) candidates.push_back(end * std::pow(static_cast<double>(i) / n, 2));
+  double best = 0;
+  for (long k = 0; k < d.days; ++k) {
+    double chosen = 0, most = best;
+    for (double day : candidates) {
+      if (std::count(days.begin(), days.end(), day) > 0) continue;
+      auto with = days;
+      with.push_back(day);
+      const double found = distance(data, with, d, truth, free);
+      if (found > most * (1 + 1e-9)) {
+        most = found;
+        chosen = day;
+      }
+    }
+    if (!(chosen > 0)) break;
+    days.push_back(chosen);
+    best = most;
+  }
+  std::sort(days.begin(), days.end());
+  const char* const name = study::Bounds{d.parameter, 0, 1, ""}.name();
+  const double needed = std::pow(z_95 + d.z_power, 2) / best;
+  if (!(needed < 1e6)) {
+    common::print(format("No %ld days of this history tell %s = %g from %g, the others fitted again.\n",
+                         d.days, name, truth[d.parameter], d.against));
+    return 1;
+  }
+  const double subjects = std::max(1.0, std::ceil(needed));
+  // The same, simulated: the mean of so many subjects on each day.
+  std::vector<study::Study> made{data};
+  made[0].measurements.clear();
+  const double sd = d.noise / std::sqrt(subjects);
+  for (double day : days) made[0].measurements.push_back({day, study::Quantity::lambda_e, 1, sd});
+  Question q = question_of(made, 0);
+  std::vector<double> exact;
+  for (std::size_t i = 0; i < q.measured.size(); ++i) exact.push_back(q.computed(truth.data(), i));
+  std::normal_distribution<double> normal;
+  long told = 0;
+  Free others = free;
+  others[d.parameter] = false;
+  for (long run = 0; run < runs; ++run) {
+    for (std::size_t i = 0; i < exact.size(); ++i) q.measured[i].value = exact[i] + sd * normal(random);
+    Values other = truth;
+    other[d.parameter] = d.against;
+    told += minimise(q, other, others).chi2 - minimise(q, truth, free).chi2 > chi2_95;
+  }
+  const double found = static_cast<double>(told) / static_cast<double>(runs);
+  std::string list;
+  for (double day : days) list += (list.empty() ? "" : ", ") + format("%.3g", day);
+  const std::string text = format(
+      "%s = %g against %g, scatter of lambda_e %g: %.0f subjects, measured on day %s.\n"
+      "Simulated %ld times: told apart in %.1f %%.\n",
+      name, truth[d.parameter], d.against, d.noise, subjects, list.c_str(), runs, 100 * found);
+  out.write("design.json", study::json_object({{"days", json(days)},
+                                               {"subjects", json(subjects)},
+                                               {"distance", json(best)},
+                                               {"told", json(found)}}));
+  common::print(text);
+  return 0;
+}
+
 /// The fit, its intervals and what they are worth.
 int estimate(const Question& q, const Values& given, const Free& free, const Plan& plan,
              std::mt19937_64& random, const study::Folder& out) {
@@ -625,7 +718,9 @@ int estimate(const Question& q, const Values& given, const Free& free, const Pla
 }
 
 int fit(int argc, char** argv) {
-  const study::Options options(argc, argv, help, {"robust", "starts", "coverage", "seed", "out"}, {"set"});
+  const study::Options options(
+      argc, argv, help,
+      {"robust", "starts", "coverage", "design", "against", "noise", "power", "seed", "out"}, {"set"});
   if (options.files.empty()) throw study::Error("expected a file (--help says more)");
   const std::string& file = options.files[0];
   std::vector<study::Study> studies;
@@ -634,7 +729,7 @@ int fit(int argc, char** argv) {
       throw study::Error(one + ": expected each file only once");
     studies.push_back(study::read(one, options));
     const study::Study& read = studies.back();
-    if (read.measurements.empty())
+    if (read.measurements.empty() && !options.has("design"))
       throw study::Error(one + ": expected a row 'measure, DAY, QUANTITY, VALUE, SD'");
     if (read.knots.size() < 2)
       throw study::Error(one + ": expected a row step, ramp, hold, distract or cycle");
@@ -653,14 +748,46 @@ int fit(int argc, char** argv) {
   const Plan plan{options.number("robust", 0, 1e-3, 1e6),
                   options.count("starts", options.has("coverage") ? 2 : 8, 1, 10000),
                   options.count("coverage", 0, 1, 1000000)};
-  if (plan.coverage_runs > 0) {
+  for (const char* name : {"against", "noise", "power"}) {
+    if (options.has(name) != options.has("design") && (options.has(name) || name == std::string("against")))
+      throw study::Error(std::string("--") + name + ": expected only with --design, and --against with it");
+  }
+  if (plan.coverage_runs > 0 || options.has("design")) {
     if (data.fitted.empty()) throw study::Error(file + ": expected a row 'fit, NAME, LOWER, UPPER'");
     for (const study::Bounds& b : data.fitted) {
       if (!(b.lower <= given[b.index] && given[b.index] <= b.upper))
-        throw study::Error(b.place + ": with --coverage " + b.name() + " = " +
+        throw study::Error(b.place + ": with --coverage or --design " + b.name() + " = " +
                            study::text_of(given[b.index]) +
                            ", which is taken as true, has to be within the bounds");
     }
+  }
+  if (options.has("design")) {
+    if (studies.size() > 1) throw study::Error("--design: expected one file");
+    const std::string text = options.text("against", "");
+    const std::size_t equals = std::min(text.find('='), text.size());
+    Design d{study::n_fit, 0, options.number("noise", 0.07, 1e-6, 10), 0, options.count("design", 2, 1, 4)};
+    for (const study::Bounds& b : data.fitted) {
+      if (text.substr(0, equals) == b.name()) {
+        d.parameter = b.index;
+        if (equals == text.size() || !common::to_number(text.substr(equals + 1), d.against) ||
+            !(b.lower <= d.against && d.against <= b.upper) || d.against == given[b.index])
+          throw study::Error("--against " + study::visible(text) + ": expected NAME=VALUE, a value from " +
+                             study::text_of(b.lower) + " to " + study::text_of(b.upper) +
+                             " that is not the one set");
+      }
+    }
+    if (d.parameter == study::n_fit)
+      throw study::Error("--against " + study::visible(text) +
+                         ": expected NAME=VALUE, NAME one of those to be fitted");
+    const double power = options.number("power", 0.9, 0.5, 0.999);
+    double low = 0, high = 5;  // the normal distribution's quantile
+    while (high - low > 1e-12) {
+      const double middle = (low + high) / 2;
+      (std::erfc(-middle / std::sqrt(2.0)) / 2 < power ? low : high) = middle;
+    }
+    d.z_power = low;
+    const study::Folder out(options.text("out", "out/design-experiment"), {"design.json"}, options.files);
+    return design(data, given, free, d, plan.coverage_runs > 0 ? plan.coverage_runs : 200, random, out);
   }
   const Question q = question_of(studies, plan.robust);
   const study::Folder out(options.text("out", "out/fit/" + data.name),

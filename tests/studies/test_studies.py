@@ -149,6 +149,21 @@ class Fit(Job):
             self.assertAlmostEqual(p["estimate"] / expected, 1, delta=2e-3)
         self.assertIn("Not used: the rows 'set' and 'fit' of history0", self.run_it(files[1], files[0]))
 
+    def test_design_of_an_experiment(self):
+        """The power asked for is the power that the simulation finds, and less difference needs more subjects."""
+        plan = EXAMPLES / "identification" / "plan.csv"
+        found = []
+        for against in (14, 2):
+            text = self.run_it(plan, "--design", 1, "--against", f"tau={against}", "--coverage", 60)
+            self.assertIn(f"tau = 0.5 against {against}", text)
+            found.append(json.loads((self.folder / "out" / "design.json").read_text()))
+            self.assertGreater(found[-1]["told"], 0.78)
+        self.assertLess(found[0]["subjects"], found[1]["subjects"])
+        for arguments, message in ((("--against", "tau=0.5"), "--against tau=0.5: expected NAME=VALUE, a value from 0.05 to 100"),
+                                   (("--against", "G_max=2"), "NAME one of those to be fitted"),
+                                   ((), "--against: expected only with --design, and --against with it")):
+            self.assertIn(message, self.run_it(plan, "--design", 1, *arguments, status=2))
+
     def test_cycles_are_steps_and_holds(self):
         sets = "set, tau_rev, 6\nset, gamma_rev, 1\nset, G_min, 0.4\nset, lambda_crit_rev, 0.99\nstep, 0.9\n"
         end = "measure, 2, G, 1, 0.001\nmeasure, 4, G, 1, 0.001\n"
@@ -430,6 +445,43 @@ class Published(Job):
                        f"{m['computed']:.3f} | {off:+.2f} % |")
                 with self.subTest(row):
                     self.assertIn(row, docs)
+
+
+class Evidence(Job):
+    program = "study_evidence"
+
+    def test_areas_are_those_of_the_docs(self):
+        folder = EXAMPLES / "identification" / "published" / "cross_section"
+        r = self.report("--area", folder / "defreitas_2011.csv", "--predict", folder / "seynnes_2007.csv", "--predict",
+                        folder / "damas_2016.csv")
+        docs = (SOURCE / "docs" / "evidence.md").read_text(encoding="utf-8")
+        self.assertIn(f"τ = {r['tau']:.3g} d, overload {r['overload']:.3f}", docs)
+        for s in r["studies"][1:]:
+            for day, y in list(zip(s["day"], s["computed"]))[1:]:
+                self.assertRegex(docs, rf"\| {s['name']} \| {day:g} \| [^|]* \| {y:.3f} \|")
+
+    def test_areas_that_are_known(self):
+        """Areas made by the law itself, in the closed form of eq. 4 with gamma = 2, give the parameters back."""
+        tau, overload = 20, 1.3
+        rows = "".join(f"area, {exact_day(g, overload, tau, 1.5, 1)!r}, {g}, 0.001\n" for g in (1.02, 1.05, 1.1, 1.2))
+        r = self.report("--area", self.file("area, 0, 1, 0.001\n" + rows))
+        self.assertAlmostEqual(r["tau"] / tau, 1, delta=1e-3)
+        self.assertAlmostEqual(r["overload"], overload, delta=1e-3)
+
+    def test_tendon_that_is_known(self):
+        rows = ("set, G_max, 1.6\nset, lambda_crit, 1.05\nset, tau_rev, 1\nset, gamma_rev, 0\nset, G_min, 0.5\n"
+                "set, lambda_crit_rev, 1.05\nset, tau, 1\ntendon, 1, 1e5, 1\nstep, 1.3\nhold, 20\n")
+        r = self.report(self.file(rows + "measure, 3, G, 1.15, 0.01\nmeasure, 20, tendon, 1.1, 0.01\n"))
+        everything = r["cases"][2]
+        self.assertLess(everything["chi2"], 1e-6)
+        self.assertAlmostEqual(everything["computed"][0], 1.15, delta=1e-4)
+        self.assertAlmostEqual(everything["computed"][1], 1.1, delta=1e-4)
+
+    def test_errors(self):
+        self.assertIn("expected one of FILE.csv, --dose and --area", self.run_it(status=2))
+        self.assertIn("expected a row 'tendon'", self.run_it(self.file("step, 1.1\n"), status=2))
+        self.assertIn("study.csv:1:1: expected the keyword 'area'", self.run_it("--area", self.file("aera, 0, 1, 1\n"), status=2))
+        self.assertIn("study.csv:1:7: expected day 0 first", self.run_it("--area", self.file("area, 3, 1, 1\n"), status=2))
 
 
 class Protocol(Job):
