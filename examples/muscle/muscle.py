@@ -95,7 +95,10 @@ def main():
         command = ["mpirun", "-n", str(a.ranks), str(a.program), str(prm), f"Mesh/File={out / 'muscle.mesh'}", f"Output/Folder={out}",
                    *more, *a.entries]
         print("\n$ " + shlex.join(command[3:]), flush=True)
-        status = subprocess.run(command).returncode
+        try:
+            status = subprocess.run(command).returncode
+        except KeyboardInterrupt:  # the solver has got it too, and says what is left
+            return 130
         if status:
             return status if status > 0 else 1
         told = entries.override(entries.read(prm), a.entries)

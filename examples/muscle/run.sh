@@ -7,8 +7,11 @@ muscle_run() {
     case "$word" in --entries) mpi_arguments --entries; mpi_build; mpi_run ;; esac
     case "$word" in --check | --export | --export=* | --help | -h) solver= ;; esac
   done
-  if [ -n "$solver" ]; then mpi_build; fi
   prepare_python
+  if [ -n "$solver" ]; then # wrong options and meshes are told before the minutes of the build
+    (cd "$here" && MYOGROWTH_JOB="./run muscle" "$python" "$top/examples/muscle/muscle.py" --check "$@" >/dev/null) || exit
+    mpi_build
+  fi
   unlock_build
   results muscle --out "$@"
   cd "$here"
