@@ -104,7 +104,7 @@ std::vector<Action> read_actions(const std::string& text, const TimeTable& ramp)
       x.push_back(value);
     }
     const auto need = [&](std::size_t n, const std::string& what) {
-      if (x.size() != n) fail("expected " + what + (n > 0 ? " after '" + kind + "'" : " no numbers"));
+      if (x.size() != n) fail(n > 0 ? "expected " + what + " after '" + kind + "'" : "expected no numbers");
     };
     const auto vector = [&](std::size_t i) { return dealii::Tensor<1, 3>({x[i], x[i + 1], x[i + 2]}); };
     if (kind == "fixed") {
@@ -152,6 +152,8 @@ std::vector<Action> read_actions(const std::string& text, const TimeTable& ramp)
 
 TimeTable read_protocol(const std::string& path, double cycle, double end) {
   const study::Study protocol = study::Reader::read(path);
+  if (!protocol.tendon_place.empty())
+    throw Error(protocol.tendon_place + ": a tendon in series: must be a section of the mesh here");
   const double length = protocol.knots.back().time;
   if (cycle > 0 && length > cycle * (1 + 1e-12))
     throw Error("Attachments/Cycle = " + common::text_of(cycle) + ": must be at least the length of " + path +

@@ -146,8 +146,8 @@ std::string Muscle::identity() const {
         const int index = support_of_[node / 3];
         if (index < 0) continue;
         const Support& support = supports_[static_cast<std::size_t>(index)];
-        supports.push_back(static_cast<float>(support.attachment));
         for (unsigned d = 0; d < support.n; ++d) {
+          supports.push_back(static_cast<float>(support.attachment[d]));
           for (unsigned i = 0; i < 3; ++i) supports.push_back(static_cast<float>(support.along[d][i]) + 0.0f);
         }
       }

@@ -34,6 +34,12 @@ unsigned index_of(const ReferenceCell& cell) {
                                               : tet_index;
 }
 
+Tensor<1, 3> axis_vector(unsigned i) {
+  Tensor<1, 3> v;
+  v[i] = 1;
+  return v;
+}
+
 bool has_shape(const MeshFile& file, Shape shape) {
   return std::any_of(file.cells.begin(), file.cells.end(),
                      [&](const MeshFile::Cell& c) { return c.shape == shape; });
@@ -86,6 +92,7 @@ Muscle::Muscle(const Parameters& parameters, MPI_Comm comm)
   }
   start_points();
   find_fibres();
+  if (parameters.write_fibres) write_fibres();
   find_regions();
   if (file_.has_sections && parameters.fascicles > 0) trace_fascicles();
   identity_ = identity();
@@ -327,9 +334,8 @@ void Muscle::find_end_supports() {
       if (support_of_[nodes[c][a] / 3] >= 0) continue;
       support_of_[nodes[c][a] / 3] = static_cast<int>(supports_.size());
       Support support;
-      support.attachment = at_distal ? 1 : at_proximal ? 0 : -1;
       for (unsigned i = 0; i < 3; ++i) {
-        if (held[i]) support.along[support.n++][i] = 1;
+        if (held[i]) support.add(axis_vector(i), at_distal ? 1 : at_proximal ? 0 : -1);
       }
       supports_.push_back(support);
     }
@@ -425,9 +431,12 @@ void Muscle::find_attachments() {
                 " are at one place");
   line_ /= line_length_;
 
-  std::vector<int> of_node(file_.nodes.size(), -1);
+  std::vector<std::vector<int>> of_node(file_.nodes.size());
   std::map<std::size_t, std::vector<std::pair<int, const MeshFile::Facet*>>> loaded;
   bool held = false;
+  const auto slides = [](const Action& action) {
+    return action.kind == Action::slides || action.kind == Action::slides_away;
+  };
   for (const Action& action : actions) {
     const MeshFile::Surface& surface = *find(action.surface, "Attachments/List");
     Attachment a = measure(surface);
@@ -435,22 +444,28 @@ void Muscle::find_attachments() {
     const int index = static_cast<int>(attachments_.size());
     const auto nodes = file_.nodes_of(surface);
     a.nodes = static_cast<unsigned>(nodes.size());
+    if (slides(action) && !(a.normal.norm() > 0.1))
+      throw Error("Attachments/List: " + action.surface +
+                  " cannot slide in its plane: it has none, its normals point to all sides");
+    a.normal /= std::max(a.normal.norm(), 1e-300);
     for (const unsigned node : nodes) {
-      if (of_node[node] >= 0)
-        throw Error("Attachments: " + attachments_[static_cast<std::size_t>(of_node[node])].action.surface +
-                    " and " + action.surface + " touch, at " + file_.node(node));
-      of_node[node] = index;
+      for (const int before : of_node[node]) {
+        const Attachment& other = attachments_[static_cast<std::size_t>(before)];
+        // Forces may act where something else holds, and planes of symmetry may meet, at right angles.
+        const bool may_touch =
+            !action.holds() || !other.action.holds() ||
+            (slides(action) && slides(other.action) && std::abs(a.normal * other.normal) < 1e-8);
+        if (!may_touch)
+          throw Error("Attachments: " + other.action.surface + " and " + action.surface + " touch, at " +
+                      file_.node(node) + "; only surfaces that slide, at right angles, may");
+      }
+      of_node[node].push_back(index);
     }
-    held = held || (action.holds() && action.kind != Action::slides && action.kind != Action::slides_away);
+    held = held || (action.holds() && !slides(action));
     if (surface.name == given.proximal) proximal_attachment_ = index;
     if (surface.name == given.distal) distal_attachment_ = index;
     const double toward = surface.name == given.proximal ? -1 : 1;
     const bool stretches = action.kind == Action::away || action.kind == Action::slides_away;
-    const bool flat_enough = a.normal.norm() > 0.1;
-    if ((action.kind == Action::slides || action.kind == Action::slides_away) && !flat_enough)
-      throw Error("Attachments/List: " + action.surface +
-                  " cannot slide in its plane: it has none, its normals point to all sides");
-    a.normal /= std::max(a.normal.norm(), 1e-300);
     if (!given.protocol.empty() && stretches) {
       if (action.own_table)
         throw Error("Attachments/List: " + action.surface + ": must have no 'at' with Attachments/Protocol");
@@ -470,10 +485,18 @@ void Muscle::find_attachments() {
         " nodes, area " + number("%.7g", a.area));
     attachments_.push_back(a);
   }
+  // Three planes across each other hold it too.
+  for (const Attachment& a : attachments_) {
+    for (const Attachment& b : attachments_) {
+      for (const Attachment& c : attachments_)
+        held = held || (slides(a.action) && slides(b.action) && slides(c.action) &&
+                        std::abs(a.normal * cross_product_3d(b.normal, c.normal)) > 0.1);
+    }
+  }
   if (!held)
     throw Error(
-        "Attachments/List: must have an attachment that is fixed, displaced, away or turned: nothing "
-        "else holds the muscle in its place");
+        "Attachments/List: must have an attachment that is fixed, displaced, away or turned, or three that "
+        "slide in planes across each other: nothing else holds the muscle in its place");
   bool any_stretch = false;
   for (const Attachment& a : attachments_)
     any_stretch = any_stretch || a.action.kind == Action::away || a.action.kind == Action::slides_away;
@@ -488,19 +511,17 @@ void Muscle::find_attachments() {
     const std::size_t in_file = cells_[c]->id().get_coarse_cell_id();
     const auto& nodes = unknowns_->cell_nodes[c];
     for (std::size_t a = 0; a < nodes.size(); ++a) {
-      const int index = of_node[file_.cells[in_file].nodes[a]];
-      if (index < 0 || !attachments_[static_cast<std::size_t>(index)].action.holds()) continue;
+      Support support;
+      for (const int index : of_node[file_.cells[in_file].nodes[a]]) {
+        const Attachment& attachment = attachments_[static_cast<std::size_t>(index)];
+        if (slides(attachment.action)) support.add(attachment.normal, index);
+        for (unsigned i = 0; i < 3 && attachment.action.holds() && !slides(attachment.action); ++i)
+          support.add(axis_vector(i), index);
+      }
+      if (support.n == 0) continue;
       cell_supported_[c] = true;
       if (support_of_[nodes[a] / 3] >= 0) continue;
       support_of_[nodes[a] / 3] = static_cast<int>(supports_.size());
-      const Attachment& attachment = attachments_[static_cast<std::size_t>(index)];
-      Support support;
-      support.attachment = index;
-      if (attachment.action.kind == Action::slides || attachment.action.kind == Action::slides_away) {
-        support.along[support.n++] = attachment.normal;
-      } else {
-        for (unsigned i = 0; i < 3; ++i) support.along[support.n++][i] = 1;
-      }
       supports_.push_back(support);
     }
     const auto facets = loaded.find(in_file);
@@ -567,21 +588,24 @@ void Muscle::prepare_supports(double time, double part) {
   for (unsigned node = 0; node < support_of_.size(); ++node) {
     if (support_of_[node] < 0) continue;
     const Support& support = supports_[static_cast<std::size_t>(support_of_[node])];
-    Tensor<1, 3> step;
-    if (support.attachment >= 0) {
-      const auto index = static_cast<std::size_t>(support.attachment);
-      const Attachment& a = attachments_[index];
-      step = factors[index] * a.vector;
-      if (a.action.kind == Action::turned) {  // Rodrigues
-        const double angle = factors[index] * a.action.amount;
-        const Point<3> X(node_X_[3 * node], node_X_[3 * node + 1], node_X_[3 * node + 2]);
-        const Tensor<1, 3> arm = X - a.action.point, across = cross_product_3d(a.action.axis, arm);
-        const double half = std::sin(angle / 2);
-        step = std::sin(angle) * across + 2 * half * half * cross_product_3d(a.action.axis, across);
+    Tensor<1, 3> u, step;
+    for (unsigned i = 0; i < 3; ++i) u[i] = u_.local_element(3 * node + i);
+    for (unsigned d = 0; d < support.n; ++d) {
+      Tensor<1, 3> target;
+      if (support.attachment[d] >= 0) {
+        const auto index = static_cast<std::size_t>(support.attachment[d]);
+        const Attachment& a = attachments_[index];
+        target = factors[index] * a.vector;
+        if (a.action.kind == Action::turned) {  // Rodrigues
+          const double angle = factors[index] * a.action.amount;
+          const Point<3> X(node_X_[3 * node], node_X_[3 * node + 1], node_X_[3 * node + 2]);
+          const Tensor<1, 3> arm = X - a.action.point, across = cross_product_3d(a.action.axis, arm);
+          const double half = std::sin(angle / 2);
+          target = std::sin(angle) * across + 2 * half * half * cross_product_3d(a.action.axis, across);
+        }
       }
+      step += support.along[d] * (support.along[d] * (target - u));
     }
-    for (unsigned i = 0; i < 3; ++i) step[i] -= u_.local_element(3 * node + i);
-    step = support.held(step);
     for (unsigned i = 0; i < 3; ++i) support_step_[3 * node + i] = step[i];
   }
   if (!parameters_.dense) return;
@@ -713,7 +737,11 @@ std::string Muscle::assemble(double dt, bool tangent) {
       const Support& support = supports_[static_cast<std::size_t>(support_of_[node])];
       held = support.held(r);
       b -= support.held(b);
-      if (support.attachment >= 0) attachments_[static_cast<std::size_t>(support.attachment)].force += held;
+      for (unsigned d = 0; d < support.n; ++d) {
+        if (support.attachment[d] >= 0)
+          attachments_[static_cast<std::size_t>(support.attachment[d])].force +=
+              support.along[d] * (support.along[d] * r);
+      }
     }
     sums[0] += (r - held).norm_square();
     sums[1] += held.norm_square();
@@ -927,7 +955,7 @@ Muscle::Attempt Muscle::step(double dt, double part) {
     bool tangent = parameters_.dense || iteration == 0;
     std::string failure = assemble(dt, tangent);
     if (!failure.empty()) return {false, failure};
-    const double target = parameters_.newton_tolerance * std::max(support_norm_, force_floor_);
+    const double target = std::max(parameters_.newton_tolerance * support_norm_, force_floor_);
     log_newton(iteration, free_norm_ / std::max(support_norm_, force_floor_),
                iteration > 0 ? last_iterations_ : 0);
     if (free_norm_ <= target && (iteration > 0 || moves == 0)) return {true, {}};

@@ -52,9 +52,13 @@ class Muscle {
   };
   /// Directions in which a node is held or moved. The others are free.
   struct Support {
-    int attachment = -1;  ///< -1: held where it is
     unsigned n = 0;
-    std::array<dealii::Tensor<1, 3>, 3> along;
+    std::array<dealii::Tensor<1, 3>, 3> along;       ///< unit vectors, at right angles
+    std::array<int, 3> attachment = {{-1, -1, -1}};  ///< -1: held where it is
+    void add(const dealii::Tensor<1, 3>& direction, int of) {
+      along[n] = direction;
+      attachment[n++] = of;
+    }
     /// The part of a vector along these directions.
     dealii::Tensor<1, 3> held(const dealii::Tensor<1, 3>& x) const {
       dealii::Tensor<1, 3> part;
@@ -86,6 +90,7 @@ class Muscle {
   // fibres.cpp
   void find_fibres();
   void flow_fibres();
+  void write_fibres() const;
   void trace_fascicles();
 
   // muscle.cpp: a step

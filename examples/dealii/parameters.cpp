@@ -277,6 +277,8 @@ void Entries::declare() {
     real("Threshold", "1.05", tiny, any, "hot_spots.csv has the volume with lambda_e above this [-]");
     whole("Fascicles", "40", 0, 10000,
           "streamlines of the fibres that are traced from Attachments/Proximal [-]");
+    choice("Fibres", "false", "false|true",
+           "true: fibres.csv has the fibre of every integration point, in the order of the mesh file");
     whole("Checkpoint every", "20", 0, 1000000, "so many steps; 0: only on SIGTERM or SIGUSR1 [-]");
     choice("Resume", "false", "false|true|force",
            "true: go on from the checkpoint in Folder, on any number of ranks, if mesh, muscle and pull are "
@@ -373,6 +375,7 @@ Parameters values(ParameterHandler& prm) {
   prm.enter_subsection("Output");
   p.folder = prm.get("Folder");
   p.output_times = numbers(prm.get("Times"));
+  p.write_fibres = prm.get("Fibres") == "true";
   p.threshold = prm.get_double("Threshold");
   p.fascicles = static_cast<int>(prm.get_integer("Fascicles"));
   p.checkpoint_every = static_cast<int>(prm.get_integer("Checkpoint every"));

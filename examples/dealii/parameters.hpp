@@ -89,8 +89,9 @@ struct Parameters {
 
   std::string folder;
   std::vector<double> output_times;
-  double threshold;      ///< of lambda_e, for hot_spots.csv [-]
-  int fascicles;         ///< number of streamlines
+  double threshold;  ///< of lambda_e, for hot_spots.csv [-]
+  int fascicles;     ///< number of streamlines
+  bool write_fibres;
   int checkpoint_every;  ///< steps; 0: only when asked to end
   bool resume;           ///< go on from the checkpoint
   bool force;            ///< even if it is one of another run

@@ -138,7 +138,34 @@ void Muscle::write_regions() {
   });
 }
 
-void Muscle::write_fascicles() const {}
+/// Lengths of the streamlines, and means along them.
+void Muscle::write_fascicles() const {
+  std::vector<double> sums(4 * static_cast<std::size_t>(n_fascicles_), 0.0);  // length, length_0, lambda_e, G
+  for (const Piece& piece : pieces_) {
+    Tensor<1, 3> dx = piece.dX;  // F dX
+    const auto& nodes = unknowns_->cell_nodes[piece.cell];
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      double along = 0;
+      for (unsigned i = 0; i < 3; ++i) along += piece.dN[3 * a + i] * piece.dX[i];
+      for (unsigned i = 0; i < 3; ++i) dx[i] += along * u_.local_element(nodes[a] + i);
+    }
+    double* sum = sums.data() + 4 * piece.fascicle;
+    sum[0] += dx.norm();
+    sum[1] += piece.dX.norm();
+    sum[2] += piece.dX.norm() * lambda_e_[piece.point];
+    sum[3] += piece.dX.norm() * G_[piece.point];
+  }
+  Utilities::MPI::sum(sums, comm_, sums);
+  std::string rows;
+  for (std::size_t f = 0; 4 * f < sums.size(); ++f) {
+    const double* sum = sums.data() + 4 * f;
+    if (!(sum[1] > 0)) continue;  // it has no part in muscle
+    rows += number("%.13g", time_) + "," + std::to_string(f) + number(",%.13g", sum[0]) +
+            number(",%.13g", sum[1]) + number(",%.13g", sum[2] / sum[1]) + number(",%.13g", sum[3] / sum[1]) +
+            "\n";
+  }
+  on_first(comm_, [&] { append(parameters_.folder + "/fascicles.csv", rows); });
+}
 
 void Muscle::write_rows() {
   write_history();

@@ -346,43 +346,49 @@ class Newton(Case):
                 self.assertLess(b, max(10 * a * a, 1e-12), steps)
 
 
+def material_point(times, integration=1, area=100):
+    """Force, G and lambda_e of a strip that is free to contract, stretched by a tenth until day 1: the library's C interface."""
+    library = ctypes.CDLL(str(C_LIBRARY))
+    doubles = ctypes.POINTER(ctypes.c_double)
+    library.myogrowth_update.argtypes = [doubles, ctypes.c_int, doubles, doubles, doubles, ctypes.c_int, ctypes.c_double,
+                                         ctypes.c_int, doubles, doubles, doubles, ctypes.c_char_p, ctypes.c_int]
+    props = (ctypes.c_double * 12)(16, 4, 0.5, 2, 1.1, 1.01, 0, 0, 1, 0, 0, integration)
+    state, start, rows = [0.0] * 9, 0.0, []
+    for t in times:
+        stretch = 1 + 0.1 * min(t, 1)
+
+        def update(lateral):
+            F = (ctypes.c_double * 9)(lateral, 0, 0, 0, lateral, 0, 0, 0, stretch)
+            P, before, after = (ctypes.c_double * 9)(), (ctypes.c_double * 9)(*state), (ctypes.c_double * 9)()
+            status = library.myogrowth_update(props, 12, F, before, after, 9, t - start, FIRST_PIOLA, P, None, None, None, 0)
+            assert status == 0, status
+            return P, after
+
+        low, high = 0.8, 1.1
+        for _ in range(60):
+            middle = (low + high) / 2
+            if update(middle)[0][0] > 0:
+                high = middle
+            else:
+                low = middle
+        P, after = update(low)
+        state, start = list(after), t
+        rows.append((area * P[8], after[0], after[1]))
+    return rows
+
+
 class Homogeneous(Case):
     """A brick that is free to contract is one material point: the library's, called by its C interface."""
 
     def test_is_the_material_point(self):
         times = [0.1, 0.2, 0.4, 0.7, 1.0, 2.0, 4.0]
         entries = {**BRICK, **SHARP, "Ends/Kind": "free", "Time/Steps": "listed", "Time/Times": ", ".join(map(str, times))}
-        library = ctypes.CDLL(str(C_LIBRARY))
-        doubles = ctypes.POINTER(ctypes.c_double)
-        library.myogrowth_update.argtypes = [doubles, ctypes.c_int, doubles, doubles, doubles, ctypes.c_int, ctypes.c_double,
-                                             ctypes.c_int, doubles, doubles, doubles, ctypes.c_char_p, ctypes.c_int]
         for integration, kind in ((0, "backward Euler"), (1, "second order")):
             self.run_muscle(1, "brick", {**entries, "Muscle/Integration": kind})
             columns = self.columns("brick")
-            props = (ctypes.c_double * 12)(16, 4, 0.5, 2, 1.1, 1.01, 0, 0, 1, 0, 0, integration)
-            state, start = [0.0] * 9, 0.0
-            for k, t in enumerate(times):
-                stretch = 1 + 0.1 * min(t, 1)
-
-                def update(lateral):
-                    F = (ctypes.c_double * 9)(lateral, 0, 0, 0, lateral, 0, 0, 0, stretch)
-                    P, before, after = (ctypes.c_double * 9)(), (ctypes.c_double * 9)(*state), (ctypes.c_double * 9)()
-                    status = library.myogrowth_update(props, 12, F, before, after, 9, t - start, FIRST_PIOLA, P, None, None,
-                                                      None, 0)
-                    self.assertEqual(status, 0)
-                    return P, after
-
-                low, high = 0.8, 1.1
-                for _ in range(60):
-                    middle = (low + high) / 2
-                    if update(middle)[0][0] > 0:
-                        high = middle
-                    else:
-                        low = middle
-                P, after = update(low)
-                state, start = list(after), t
-                self.assertAlmostEqual(columns["reaction"][k], 100 * P[8], delta=1e-8 * abs(100 * P[8]))
-                for column, value in (("G", after[0]), ("lambda_e", after[1])):
+            for k, (force, G, lambda_e) in enumerate(material_point(times, integration)):
+                self.assertAlmostEqual(columns["reaction"][k], force, delta=1e-8 * abs(force))
+                for column, value in (("G", G), ("lambda_e", lambda_e)):
                     for of in ("max", "mean", "min"):
                         self.assertAlmostEqual(columns[f"{column}_{of}"][k], value, delta=1e-9)
 
