@@ -149,13 +149,13 @@ struct Blemker {
     add_turning(m, turning, out.c);
 
     // B1^2 = |C n0 - lambda^2 n0|^2/lambda^4, which is never negative.
-    T B1(V(0));
+    T B1_squared(V(0));
     for (int i = 0; i < 3; ++i) {
       const T Cn = Fe[3 * i] * e.f[0] + Fe[3 * i + 1] * e.f[1] + Fe[3 * i + 2] * e.f[2];
       const T shear = Cn * per_square - n0[i];
-      B1 = B1 + shear * shear;
+      B1_squared = B1_squared + shear * shear;
     }
-    out.psi = G1 * B1 + G2 * g + W3 + kappa * e.ln_J * e.ln_J / two;
+    out.psi = G1 * B1_squared + G2 * g + W3 + kappa * e.ln_J * e.ln_J / two;
   }
 };
 
