@@ -457,6 +457,7 @@ void Muscle::trace_fascicles() {
       Point<3> x = seed + 1e-3 * (middle - seed);
       Tracer::Found here, there;
       if (!tracer.locate(x, here)) continue;
+      const std::size_t segments_before = segments.size(), text_before = points.size();
       const auto note = [&](const Point<3>& p) {
         points += std::to_string(f);
         for (unsigned k = 0; k < 3; ++k) points += number(",%.7g", p[k]);
@@ -504,6 +505,10 @@ void Muscle::trace_fascicles() {
         note(x);
       }
       arrived += at_end;
+      if (!at_end) {  // lost at the surface: it is no fascicle
+        segments.resize(segments_before);
+        points.resize(text_before);
+      }
     }
     common::write_file(parameters_.folder + "/streamlines.csv", "fascicle,x,y,z\n" + points);
   });

@@ -558,7 +558,7 @@ void Muscle::start_points() {
     throw Error("Geometry: " + std::to_string(inverted) +
                 " integration points lie in cells that are inside out or flat");
   // Forces below this are rounding, where nothing is loaded.
-  force_floor_ = 1e-12 * parameters_.muscle.c2 * std::pow(Utilities::MPI::sum(volume, comm_), 2. / 3);
+  force_floor_ = 1e-14 * parameters_.muscle.c2 * std::pow(Utilities::MPI::sum(volume, comm_), 2. / 3);
 }
 
 std::string Muscle::describe(const Group& group, const Failure& failure, double dt) const {
