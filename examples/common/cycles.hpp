@@ -8,7 +8,7 @@
 ///   G_{n+N} = G_n + N Delta(G_n + (N - 1)/2 Delta(G_n)),
 ///
 /// exact for N = 1 and of second order in N Delta (a multirevolution method: Calvo, Jay, Montijano, Rández,
-/// Numer Math 97, 2004). N follows from the difference between one such jump and two of N/2.
+/// Numerische Mathematik 97, 2004). N follows from the difference between one such jump and two of N/2.
 #ifndef MYOGROWTH_EXAMPLES_CYCLES_HPP
 #define MYOGROWTH_EXAMPLES_CYCLES_HPP
 

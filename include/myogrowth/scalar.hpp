@@ -59,6 +59,8 @@
 /// What is rarely called: kept out of the code around it. (On a GPU a call would push all out of registers.)
 #if defined(__GNUC__) && !defined(__CUDACC__)
 #define MYOGROWTH_NOINLINE __attribute__((noinline))
+#elif defined(__CUDACC__)
+#define MYOGROWTH_NOINLINE __forceinline__
 #else
 #define MYOGROWTH_NOINLINE
 #endif

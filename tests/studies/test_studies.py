@@ -279,7 +279,7 @@ class Fit(Job):
                 self.assertIn(message, self.run_it(good, "--set", value, status=2))
         bounds = self.file("fit, gamma, 0.1, 1\n" + end)  # the default, 2, is no start of ours
         self.run_it(bounds, "--starts", 1)
-        self.assertIn("study.csv:1:1: with --coverage gamma = 2", self.run_it(bounds, "--coverage", 3, status=2))
+        self.assertIn("study.csv:1:1: with --coverage or --design gamma = 2", self.run_it(bounds, "--coverage", 3, status=2))
 
     def test_includes(self):
         self.file("include, c.csv\n", "b.csv")
