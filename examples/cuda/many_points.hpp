@@ -28,7 +28,8 @@ struct Arrays {
 
 /// One step of point i.
 template <Tangent tangent, class V>
-MYOGROWTH_FUNCTION UpdateStatus step(const FibreGrowth<V>& material, const Arrays<V>& a, std::ptrdiff_t i) {
+MYOGROWTH_FUNCTION MYOGROWTH_FLAT UpdateStatus step(const FibreGrowth<V>& material, const Arrays<V>& a,
+                                                    std::ptrdiff_t i) {
   using batch::soa;
   const batch::Input in{soa(a.F, a.n), soa(a.n0, a.n), soa(a.G_n, a.n), batch::shared(a.dt)};
   const batch::Output out{soa(a.stress, a.n), soa(a.G, a.n), soa(a.tangent, a.n)};

@@ -310,11 +310,11 @@ struct SolvedStep {
   int iterations;
 };
 
-/// What a solve has so far: y and G, the lanes that it gives up, and the iterations.
+/// What Newton's method found.
 template <class T>
 struct StepRoot {
-  T y, G;
-  LaneMask<T> left;
+  T G;
+  LaneMask<T> left;  ///< the lanes without a result: they need bisection
   int iterations;
 };
 
@@ -326,23 +326,6 @@ MYOGROWTH_FUNCTION T dG_dlambda_of(const Branch<P, sign>& b, const StepEquation<
   const T derivative = s.k * s.x / maximum(slope_times_x(b, eq, s, s.done), tiny);
   // (Its bound, where k x has lost its digits.)
   return select(is_free, sign > 0 ? minimum(derivative, T(b.per_crit)) : derivative, zero);
-}
-
-/// What is left of the way to the limit, by y, which has more digits where the step is short. Removal goes by
-/// G, which may be far below G_n.
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION T left_of_way(const Branch<V, sign>& b, const StepEquation<T>& eq,
-                                 const StepRoot<T>& root) {
-  return sign > 0 ? T(T(V(1)) - root.y) : T(b.ahead(T(b.limit), root.G) * eq.per_r);
-}
-
-/// The result at the root, where x of the way is left.
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION SolvedStep<T> solved_at(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& G_n,
-                                           const T& end, const T& x, const StepRoot<T>& root) {
-  const T zero(V(0)), G = b.last(b.first(root.G, end), G_n);
-  const StepSides<T> s = sides(b, eq, maximum(x, zero), root.y, T(G * eq.per_r), zero);
-  return {s.x, root.y, G, dG_dlambda_of(b, eq, s, b.precedes(G, T(b.limit))), root.left, root.iterations};
 }
 
 /// The equation in the lanes that move; a lane that does not has A = 0, and y = 0.
@@ -368,7 +351,7 @@ MYOGROWTH_FUNCTION StepRoot<T> newton(const Branch<V, sign>& b, const StepEquati
   LaneMask<T> is_long = leaves_bracket(eq, y_end);
   is_long = active & is_long;
   LaneMask<T> may_be_behind = b.precedes(G_n, start) & b.precedes(start, end) & !is_long, moved = none;
-  StepRoot<T> root{zero, select(may_be_behind, start, G_n), lost, 0};
+  StepRoot<T> root{select(may_be_behind, start, G_n), lost, 0};
   T& G = root.G;
   if (any(is_long))
     G = select(is_long,
@@ -426,14 +409,14 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE SolvedStep<T> solve_further(Branch<V, sign
   const LaneMask<T> active = found.left & !eq.out_of_range;
   StepRoot<T> root = newton(b, eq, G_n, lambda, end, found.G, active);
   go_on(b, eq, G_n, lambda, end, root, std::is_same<T, V>());
-  const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, select(active, root.G, G_n));
-  root.y = s.y;
-  const SolvedStep<T> more = solved_at(b, eq, G_n, end, s.x, root);
+  const T G = select(active, b.last(b.first(root.G, end), G_n), G_n);
+  const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, G);
+  const T dG_dlambda = dG_dlambda_of(b, eq, s, b.precedes(G, T(b.limit)));
   const LaneMask<T> left = (found.left & eq.out_of_range) | root.left;
-  return {select(active, more.x, found.x),
-          select(active, more.y, found.y),
-          select(active, more.G, found.G),
-          select(active, more.dG_dlambda, found.dG_dlambda),
+  return {select(active, s.x, found.x),
+          select(active, s.y, found.y),
+          select(active, G, found.G),
+          select(active, dG_dlambda, found.dG_dlambda),
           left,
           found.iterations + root.iterations};
 }
@@ -453,11 +436,10 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
   // If an explicit step would leave the bracket, steps from y = 0 lead nowhere. (Packs ask later, if at all.)
   const bool is_long = is_number && any(leaves_bracket(eq, part_of(b, eq, G_n, end)));
   LaneMask<T> solved = !moves;
-  const LaneMask<T> out_of_range = moves & eq.out_of_range;
-  StepRoot<T> root{zero, G_n, out_of_range, 0};
-  T &y = root.y, &G = root.G;
+  T y = zero, G = G_n;
+  int iterations = 0;
   if (b.gamma >= 1 && !is_long) {
-    root.iterations = 1;
+    iterations = 1;
     const T kc = eq.A * crit;
     const Fraction<T> from_0 = fourth_order_step(b, T(eq.A * eq.Q), kc, zero, T(eq.E * eq.alpha), eq.E);
     y = rough_quotient(from_0.over, from_0.under);
@@ -482,14 +464,18 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
     solved = solved | (is_valid & leaves_rounding);
     if (sign < 0) solved = solved & ((y <= part_of(b, eq, G_n, end)) | (!moves));
   } else if (!(b.gamma > epsilon)) {  // k is constant to rounding
-    root.iterations = 1;
-    const QuadraticRoot<T> quadratic = root_of_quadratic(b, eq, lambda);
-    y = quadratic.y;
-    G = sign > 0 ? b.on(G_n, T(eq.r * y)) : T(eq.r * quadratic.g);
+    iterations = 1;
+    const QuadraticRoot<T> root = root_of_quadratic(b, eq, lambda);
+    y = root.y;
+    G = sign > 0 ? b.on(G_n, T(eq.r * y)) : T(eq.r * root.g);
     solved = solved | (y >= zero);
   }
-  root.left = root.left | !solved;  // (lanes that do not move are solved)
-  return solved_at(b, eq, G_n, end, left_of_way(b, eq, root), root);
+  const T x = sign > 0 ? T(one - y) : T(b.ahead(limit, G) * eq.per_r);
+  G = b.last(b.first(G, end), G_n);
+  const StepSides<T> s = sides(b, eq, maximum(x, zero), y, T(G * eq.per_r), zero);
+  // (Lanes that do not move are solved.)
+  const LaneMask<T> left = (!solved) | (moves & eq.out_of_range);
+  return {s.x, y, G, dG_dlambda_of(b, eq, s, b.precedes(G, limit)), left, iterations};
 }
 
 /// The step in the lanes that move.

@@ -26,9 +26,12 @@
 #else
 #define MYOGROWTH_FUNCTION
 #endif
-/// All that a function calls is put into it. (Not with the sanitizers: compilers take many minutes for packs
-/// then. A GPU's compiler does so by itself.)
-#if defined(__CUDACC__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+/// Inlines all that a function calls. (Not with the sanitizers: compilers then take many minutes for packs.)
+/// A GPU's compiler has no such attribute: there the function itself is inlined, since a call would put its
+/// arguments and results on the stack.
+#if defined(__CUDACC__)
+#define MYOGROWTH_FLAT __forceinline__
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define MYOGROWTH_FLAT
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -59,8 +62,6 @@
 /// What is rarely called: kept out of the code around it. (On a GPU a call would push all out of registers.)
 #if defined(__GNUC__) && !defined(__CUDACC__)
 #define MYOGROWTH_NOINLINE __attribute__((noinline))
-#elif defined(__CUDACC__)
-#define MYOGROWTH_NOINLINE __forceinline__
 #else
 #define MYOGROWTH_NOINLINE
 #endif

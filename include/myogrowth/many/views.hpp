@@ -233,8 +233,8 @@ struct Entries {
 /// One step of point i of the views, by the scalar routines. Where it has no result its G is as it was and
 /// the rest is NaN.
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, class V, class In, class Out>
-MYOGROWTH_FUNCTION UpdateStatus update_one(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
-                                           const Out& out) {
+MYOGROWTH_FUNCTION MYOGROWTH_FLAT UpdateStatus update_one(const FibreGrowth<V>& material, std::ptrdiff_t i,
+                                                          const In& in, const Out& out) {
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   using batch::detail::Entries;
   using batch::detail::load_one;
