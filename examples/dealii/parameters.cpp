@@ -147,9 +147,8 @@ void Entries::declare() {
   section("Geometry", [&] {
     choice("Kind", "cylinder", "cylinder|brick|file",
            "cylinder: hexahedra, along z, cut to pi r^2 l in spite of its straight edges; brick: hexahedra; "
-           "file: hexahedra "
-           "and wedges as examples/calculix/cylinder_mesh.py writes them. The ends are the planes of least "
-           "and largest z. Mesh/File takes the place of all this");
+           "file: hexahedra and wedges as examples/calculix/cylinder_mesh.py writes them. The ends are the "
+           "planes of least and largest z. Mesh/File takes the place of all this");
     real("Length", "400", tiny, any, "of cylinder and brick, along z [length]");
     real("Radius", "10", tiny, any, "of the cylinder [length]");
     real("Width", "10", tiny, any, "of the brick, along x [length]");
@@ -171,21 +170,17 @@ void Entries::declare() {
          "what the sections of Mesh/File are made of, parted by semicolons: NAME muscle, which has the "
          "parameters of section Muscle but for NAME=VALUE that follow; or NAME tendon, which does not grow, "
          "with c1 and c2 Tendon/Stiffness times those of Muscle or as c1=VALUE c2=VALUE that follow. A mesh "
-         "of "
-         "one section needs none: it is muscle");
+         "of one section needs none: it is muscle");
   });
   section("Attachments", [&] {
     word("List", "",
          "what happens to surfaces of Mesh/File, parted by semicolons: NAME fixed; NAME displaced DX DY DZ; "
-         "NAME "
-         "away PART, displaced along the line between the attachments' centroids by this part of their "
-         "distance; "
-         "NAME turned PX PY PZ AX AY AZ DEGREES, about an axis through P; NAME slides D, displaced along its "
-         "mean outward normal and free to contract in its plane; NAME slides away PART; NAME pulled FX FY "
-         "FZ, a "
-         "force that keeps its direction; NAME pressed F, a force along its outward normals as they turn "
-         "[mm, mN]. 'at TIME:FACTOR TIME:FACTOR ...' may follow; else the factor grows to 1 until Time/Ramp. "
-         "Empty: Proximal fixed, Distal away 0.1");
+         "NAME away PART, displaced along the line between the attachments' centroids by this part of their "
+         "distance; NAME turned PX PY PZ AX AY AZ DEGREES, about an axis through P; NAME slides D, displaced "
+         "along its mean outward normal and free to contract in its plane; NAME slides away PART; NAME "
+         "pulled FX FY FZ, a force that keeps its direction; NAME pressed F, a force along its outward "
+         "normals as they turn [mm, mN]. 'at TIME:FACTOR TIME:FACTOR ...' may follow; else the factor grows "
+         "to 1 until Time/Ramp. Empty: Proximal fixed, Distal away 0.1");
     word("Proximal", "PROXIMAL", "the surface that the line between the attachments begins at");
     word("Distal", "DISTAL", "the surface that it ends at; history.csv has the force on it along this line");
     word("Protocol", "",
@@ -213,15 +208,12 @@ void Entries::declare() {
     real("Stiffness", "100", tiny, any, "of that layer, over the muscle's [-]");
   });
   section("Fibre", [&] {
-    choice(
-        "Kind", "default", "default|flow|mesh|uniform|oblique|pennate|function|file",
-        "default: those of Mesh/File where it has any, else flow with Mesh/File, else uniform; flow: along "
-        "the "
-        "gradient of a potential that is 0 on the surface From, 1 on To and flows through no other; mesh: of "
-        "Mesh/File; uniform: Direction; oblique: at Angle to z in the x-z plane; pennate: the same, inclined "
-        "towards "
-        "the plane x = 0 "
-        "from either side; function: of the place; file: rows of x y z n1 n2 n3, the nearest row holds");
+    choice("Kind", "default", "default|flow|mesh|uniform|oblique|pennate|function|file",
+           "default: those of Mesh/File where it has any, else flow with Mesh/File, else uniform; flow: "
+           "along the gradient of a potential that is 0 on the surface From, 1 on To and flows through no "
+           "other; mesh: of Mesh/File; uniform: Direction; oblique: at Angle to z in the x-z plane; pennate: "
+           "the same, inclined towards the plane x = 0 from either side; function: of the place; file: rows "
+           "of x y z n1 n2 n3, the nearest row holds");
     word("From", "PROXIMAL", "a surface of Mesh/File");
     word("To", "DISTAL", "a surface of Mesh/File");
     list("Direction", "0, 0, 1", Patterns::Double(), "three numbers", 3, 3, "any length > 0");
@@ -234,10 +226,9 @@ void Entries::declare() {
            "clamped; free to contract in their planes; mixed: the proximal end clamped, the distal one free "
            "to contract");
     real("Pull", "40", -any, any, "displacement of the distal end along z at the end of the ramp [length]");
-    real(
-        "Tolerance", "0.01", tiny, 0.4,
-        "nodes that are no farther from the plane of an end are of that end, over the least height of a cell "
-        "along z [-]");
+    real("Tolerance", "0.01", tiny, 0.4,
+         "nodes that are no farther from the plane of an end are of that end, over the least height of a "
+         "cell along z [-]");
   });
   section("Time", [&] {
     real("Ramp", "1", tiny, any, "until when the pull grows, linearly; then it is held [time]");
@@ -264,11 +255,10 @@ void Entries::declare() {
         "of the preconditioner: when slow: when it takes half as many iterations again as when it was new");
     choice("Predictor", "true", "true|false",
            "a step starts from the displacements that the last three suggest");
-    choice(
-        "Assembly", "compact", "compact|dense",
-        "dense: the loop one would write first, to compare with: P and dP/dF of every point, 9 x 9 products, "
-        "insertion by "
-        "deal.II, a tangent at every check of Newton's method; pointwise Volume and Preconditioner ML only");
+    choice("Assembly", "compact", "compact|dense",
+           "dense: the loop one would write first, to compare with: P and dP/dF of every point, 9 x 9 "
+           "products, insertion by deal.II, a tangent at every check of Newton's method; pointwise Volume "
+           "and Preconditioner ML only");
   });
   section("Output", [&] {
     word("Folder", "out/mpi", "of all results; made if it is not there");
