@@ -185,13 +185,15 @@ def draw_muscle(mesh, out, ramp):
             ax.set_axis_off()
             ax.set_title(("front", "back")[side], fontsize=8, color="0.35", y=-0.05)
             if side == 0:
-                name = "fascicles" if day is None else f"day {day:g}"
+                name = "day 0, fascicles" if day is None else f"day {day:g}"
                 ax.text(1.05, 1.01, name, transform=ax.transAxes, ha="center", fontsize=10)
     # All on one scale, which a bar of 50 mm shows.
     low = min(ax.get_ylim()[0] for ax in axes)
     high = max(ax.get_ylim()[1] for ax in axes)
+    half = max(np.ptp(ax.get_xlim()) for ax in axes) / 2
     for ax in axes:
-        ax.set_ylim(low, high)
+        middle = np.mean(ax.get_xlim())
+        ax.set(xlim=(middle - half, middle + half), ylim=(low, high))
     ax = axes[0]
     bar = 50.0 if height > 100 else 10.0 if height > 20 else 1.0
     x = ax.get_xlim()[0]
