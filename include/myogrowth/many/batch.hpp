@@ -21,15 +21,24 @@
     "myogrowth/many/batch.hpp: clang's -ffast-math changes the results of packs; compile this file without it."
 #endif
 
+#include "views.hpp"
+
+// Packs need the vector extensions of g++ and clang. Elsewhere, and where MYOGROWTH_NO_PACKS is defined, they
+// are packs of one: update_one, point by point.
+#if defined(__GNUC__) && !defined(MYOGROWTH_NO_PACKS)
+
 #include <utility>
 
 #include "pack.hpp"
-#include "views.hpp"
 
 namespace myogrowth {
 
 namespace batch {
 namespace detail {
+
+/// The lanes of a pack: N, or by default four registers of the compiler's target.
+template <class V, int N>
+constexpr int lanes = N > 0 ? N : 4 * simd::native_lanes<V>;
 
 using namespace myogrowth::detail;
 using namespace myogrowth::simd;
@@ -490,15 +499,42 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
 
 }  // namespace detail
 }  // namespace batch
+}  // namespace myogrowth
+
+#else
+
+namespace myogrowth {
+namespace batch {
+namespace detail {
+
+template <class V, int N>
+constexpr int lanes = 1;
+
+/// The points [first, last), of one material.
+template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
+std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first, std::ptrdiff_t last,
+                            const In& in, const Out& out) {
+  std::ptrdiff_t failed = 0;
+  for (std::ptrdiff_t i = first; i < last; ++i)
+    failed += update_one<tangent, measure>(material, i, in, out) != UpdateStatus::ok;
+  return failed;
+}
+
+}  // namespace detail
+}  // namespace batch
+}  // namespace myogrowth
+
+#endif
+
+namespace myogrowth {
 
 /// One step of n points of one material. Returns how many have no result (det F <= 0, no fibre, G <= 0, or
 /// not finite). N: the lanes of a pack, by default four registers of the compiler's target.
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
-  constexpr int lanes = N > 0 ? N : 4 * simd::native_lanes<V>;
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
-  return batch::detail::update_range<tangent, measure, lanes>(material, 0, n, in, out);
+  return batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>>(material, 0, n, in, out);
 }
 
 /// The same for points of many materials. Every run of points of one material is done by packs of its own:
@@ -507,14 +543,13 @@ template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, in
           class In, class Out>
 std::ptrdiff_t update_batch(const batch::Materials<V, Index>& materials, std::ptrdiff_t n, const In& in,
                             const Out& out) {
-  constexpr int lanes = N > 0 ? N : 4 * simd::native_lanes<V>;
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
   std::ptrdiff_t failed = 0;
   for (std::ptrdiff_t first = 0, last; first < n; first = last) {
     const Index which = materials.index[first];
     for (last = first + 1; last < n && materials.index[last] == which;) ++last;
-    failed +=
-        batch::detail::update_range<tangent, measure, lanes>(materials.data[which], first, last, in, out);
+    failed += batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>>(materials.data[which],
+                                                                                        first, last, in, out);
   }
   return failed;
 }
