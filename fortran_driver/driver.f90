@@ -1,19 +1,21 @@
 ! myogrowth_driver: one finite element, or one material point, around an Abaqus UMAT.
 program driver
   use, intrinsic :: iso_fortran_env, only: dp => real64
-  use files, only: start_output, say
-  use input, only: settings, read_input, default_run
-  use material_point, only: material
+  use files, only: absolute, start_output, say
+  use input, only: settings, name_length, read_input, default_run
+  use material_point, only: material, increment, external_call, analysis_begins, analysis_ends
   use output, only: report, open_report
   use prescribed_path, only: path, read_path, run_path
   use replay, only: run_replay
+  use run_end, only: expect_end, time_reached, watch_end
   use solver, only: run_element
-  use text, only: visible, note, stop_run, status_input
+  use text, only: str, visible, note, stop_run, status_input, status_output
   use umat_interface, only: umat, load_umat
   implicit none
   save  ! or the leak checker takes for lost what the program still holds at its end
 
   character(len=*), parameter :: name = 'myogrowth_driver'
+  integer, parameter :: message_unit = 7
   character(len=*), parameter :: options = '--out FOLDER, --umat FILE, --path FILE, --replay FILE, --quiet, --help'
   character(len=:), allocatable :: input_file, folder, umat_file, path_file, replay_file
   type(settings) :: s
@@ -41,17 +43,28 @@ program driver
   allocate (character(len=max(len(input_file), len(path_file))) :: inputs(2))
   inputs = [character(len=len(inputs)) :: input_file, path_file]
   if (replay_file /= '') then
-    call run_replay(replay_file, m%umat)
-  else if (path_file == '') then
-    call open_report(s%folder, inputs, quiet, s%log_residuals, .false., s%print_every, r)
-    call run_element(s, m, r)
+    call run_replay(replay_file, m%library%umat)
+    call expect_end()
+    stop
+  end if
+  if (path_file == '') then
+    call open_report(s%folder, inputs, states(), quiet, s%log_residuals, .false., s%print_every, r)
   else
     if (s%of_element /= '') call note(s%file//':'//s%of_element//': not used with --path, which leads one point')
     p = read_path(path_file)
-    call open_report(s%folder, inputs, quiet, .false., .true., 0.0_dp, r)  ! every row is printed
+    call open_report(s%folder, inputs, states(), quiet, .false., .true., 0.0_dp, r)  ! every row is printed
+  end if
+  if (.not. m%library%is_ours) call open_message_file()
+  call external_call(m, analysis_begins, 0.0_dp, increment(number=0))
+  if (path_file == '') then
+    call run_element(s, m, r)
+  else
     call run_path(p, m, r)
   end if
+  call external_call(m, analysis_ends, time_reached, increment(number=0))
   call r%close()
+  if (.not. m%library%is_ours) call close_message_file()
+  call expect_end()
 
 contains
 
@@ -133,16 +146,65 @@ contains
 
     m%props = s%props
     m%statev_initial = s%statev_initial
-    m%umat => umat
+    m%cmname = s%cmname
+    m%library%umat => umat
+    call watch_end()
     if (s%umat_file == '') return
-    call load_umat(s%umat_file, m%umat, message)
-    if (.not. associated(m%umat)) then
+    call load_umat(s%umat_file, absolute(s%folder), case_name(), m%library, message)
+    if (.not. associated(m%library%umat)) then
       call stop_run(status_input, name//': the UMAT '//s%umat_file//' cannot be used: '//message)
     end if
+    if (input_file == '' .and. replay_file == '' .and. .not. m%library%is_ours) then
+      call note('no INPUT.nml: '//s%umat_file//' is given the '//str(size(s%props))//' PROPS of myogrowth''s default '// &
+                'run, and '//str(size(s%statev_initial))//' STATEV')
+    end if
+    if (m%library%not_called /= '') call note(s%umat_file//': has, and this driver does not call,'//m%library%not_called)
   end subroutine set_material
 
+  ! The columns of history.csv for STATEV: ours are five and have names.
+  function states() result(names)
+    character(len=name_length), allocatable :: names(:)
+    integer :: i
+
+    if (m%library%is_ours .and. size(s%statev_names) == 0) then
+      names = [character(len=name_length) :: 'G', 'lambda_e', 'lambda', 'J', 'Je']
+      return
+    end if
+    allocate (names(size(m%statev_initial)))
+    names(:size(s%statev_names)) = s%statev_names
+    do i = size(s%statev_names) + 1, size(names)
+      names(i) = 'SDV'//str(i)
+    end do
+  end function states
+
+  ! For GETJOBNAME: the input file's name without folder and ending.
+  function case_name() result(case)
+    character(len=:), allocatable :: case
+
+    case = input_file(index(input_file, '/', back=.true.) + 1:)
+    if (index(case, '.', back=.true.) > 1) case = case(:index(case, '.', back=.true.) - 1)
+    if (case == '') case = 'default'
+  end function case_name
+
+  ! Abaqus has its message file open on unit 7, and UMATs write to it.
+  subroutine open_message_file()
+    integer :: status
+    character(len=200) :: reason
+
+    open (unit=message_unit, file=s%folder//'/umat.msg', status='replace', action='write', iostat=status, iomsg=reason)
+    if (status /= 0) call stop_run(status_output, s%folder//'/umat.msg: cannot be written: '//trim(reason))
+  end subroutine open_message_file
+
+  subroutine close_message_file()
+    integer :: written
+
+    flush (message_unit)
+    inquire (unit=message_unit, size=written)
+    close (message_unit, status=merge('delete', 'keep  ', written == 0))
+  end subroutine close_message_file
+
   subroutine print_help()
-    character(len=*), parameter :: text(21) = [character(len=100) :: &
+    character(len=*), parameter :: text(22) = [character(len=100) :: &
       'usage: myogrowth_driver [INPUT.nml] [options]', &
       '', &
       'Leads one 8-node brick through the loading in INPUT.nml, as an implicit finite-element code would:', &
@@ -150,7 +212,8 @@ contains
       'stretched by 10 % along its fibre in one day and held to day 42 (kPa, days).', &
       '', &
       '  --out FOLDER   where to write history.csv and newton.log; made if it is missing (default .)', &
-      '  --umat FILE    a shared library with the symbol umat_ to use instead of myogrowth''s', &
+      '  --umat FILE    a shared library with a UMAT (umat_, umat, UMAT or UMAT_) to use instead of', &
+      '                 myogrowth''s; ./run umat makes one from a source file', &
       '  --path FILE    no element: one UMAT call per row of FILE, a CSV file with the header', &
       '                 time,F11,F12,F13,F21,F22,F23,F31,F32,F33; also writes ddsdde.csv', &
       '  --replay FILE  no element: the one UMAT call in FILE again, and what comes back. myogrowth''s', &

@@ -3,10 +3,11 @@
 module files
   use, intrinsic :: iso_c_binding
   use, intrinsic :: iso_fortran_env, only: output_unit
+  use run_end, only: end_run
   use text, only: escaped, str, stop_run, status_input, status_output
   implicit none
   private
-  public :: text_file, output_file, read_file, create_file, remove_file, is_same_file, make_folder, start_output, say
+  public :: text_file, output_file, read_file, create_file, remove_file, is_same_file, make_folder, absolute, start_output, say
 
   type :: text_file
     character(len=:), allocatable :: name, text
@@ -65,6 +66,12 @@ module files
       type(c_ptr), value :: stream
       integer(c_int) :: status
     end function c_fclose
+    function c_getcwd(buffer, size) bind(c, name='getcwd') result(address)
+      import :: c_char, c_ptr, c_size_t
+      character(kind=c_char), intent(inout) :: buffer(*)
+      integer(c_size_t), value :: size
+      type(c_ptr) :: address
+    end function c_getcwd
     function c_mkdir(path, mode) bind(c, name='mkdir') result(status)  ! mode_t is an int or shorter
       import :: c_char, c_int
       character(kind=c_char), intent(in) :: path(*)
@@ -242,6 +249,20 @@ contains
     if (.not. c_associated(screen%stream)) call stop_with_reason(status_output, screen%name//': cannot be written')
   end subroutine start_output
 
+  ! A name from the root.
+  function absolute(name) result(path)
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable :: path
+    character(len=4096) :: buffer
+
+    path = name
+    if (index(name, '/') == 1) return
+    buffer = ''
+    if (.not. c_associated(c_getcwd(buffer, len(buffer, c_size_t)))) call stop_with_reason(status_input, 'this folder')
+    path = buffer(:index(buffer, c_null_char) - 1)
+    if (name /= '.') path = path//'/'//name
+  end function absolute
+
   subroutine say(line)
     character(len=*), intent(in) :: line
 
@@ -255,7 +276,7 @@ contains
     character(len=*), intent(in) :: what
 
     call c_perror(escaped(what, 255)//c_null_char)
-    stop status, quiet=.true.
+    call end_run(status)
   end subroutine stop_with_reason
 
 end module files

@@ -2,10 +2,10 @@
 module input
   use, intrinsic :: iso_fortran_env, only: dp => real64
   use namelist_file, only: group, read_groups, most_values
-  use text, only: str
+  use text, only: lower, str
   implicit none
   private
-  public :: settings, face_control, read_input, default_run, most_time
+  public :: settings, face_control, read_input, default_run, most_time, name_length
   public :: control_displacement, control_traction, control_free, face_names, axis_names
 
   character(len=2), parameter :: face_names(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
@@ -14,6 +14,7 @@ module input
   character(len=12), parameter :: control_names(3) = [character(len=12) :: 'displacement', 'traction', 'free']
   real(dp), parameter :: table_1(9) = [16.0_dp, 4.0_dp, 0.5_dp, 2.0_dp, 1.1_dp, 1.01_dp, &
                                      1.0_dp, 0.0_dp, 0.0_dp]
+  integer, parameter :: name_length = 40  ! of a state variable
   real(dp), parameter :: least_time = 1.0e-12_dp, most_time = 1.0e12_dp  ! in any unit: seconds, days, weeks
 
   ! One direction of one face, controlled over time.
@@ -29,6 +30,8 @@ module input
     character(len=:), allocatable :: file        ! the input file's name, for messages
     real(dp), allocatable :: props(:), statev_initial(:)  ! kPa and days; statev_initial has NSTATV entries
     character(len=:), allocatable :: umat_file   ! '': the UMAT this program is linked with
+    character(len=80) :: cmname = 'MYOGROWTH'
+    character(len=name_length), allocatable :: statev_names(:)  ! none: G, lambda_e ... of ours, SDV1 ... of others
     real(dp) :: size(3) = 1
     real(dp) :: duration = 42, dt = 0.05_dp, dt_min = 0.05e-6_dp, dt_increase = 2
     type(face_control), allocatable :: faces(:)
@@ -104,6 +107,7 @@ contains
     s%of_element = ''
     s%props = table_1
     allocate (s%statev_initial(8), source=0.0_dp)
+    allocate (s%statev_names(0))
     s%umat_file = ''
     s%folder = '.'
     allocate (s%faces(3))
@@ -131,9 +135,10 @@ contains
     type(group), intent(in) :: g
     type(settings), intent(inout) :: s
     real(dp), allocatable :: first(:)
+    character(len=:), allocatable :: cmname
     integer :: nstatv
 
-    call g%check_names([character(len=14) :: 'props', 'nstatv', 'statev_initial', 'umat_file'])
+    call g%check_names([character(len=14) :: 'props', 'nstatv', 'statev_initial', 'statev_names', 'umat_file', 'cmname'])
     call g%numbers('props', s%props)
     nstatv = size(s%statev_initial)
     call g%whole('nstatv', 0, most_values, nstatv)
@@ -146,7 +151,35 @@ contains
     s%statev_initial(:size(first)) = first
     call g%quoted('umat_file', s%umat_file)
     call require(g, s%umat_file /= '' .or. .not. g%has('umat_file'), 'umat_file', 'must not be empty')
+    call read_statev_names(g, nstatv, s%statev_names)
+    cmname = trim(s%cmname)
+    call g%quoted('cmname', cmname)
+    call require(g, len(cmname) >= 1 .and. len(cmname) <= len(s%cmname), 'cmname', 'must have 1 to 80 characters')
+    s%cmname = cmname
   end subroutine read_material
+
+  ! The names head the columns of history.csv.
+  subroutine read_statev_names(g, nstatv, names)
+    type(group), intent(in) :: g
+    integer, intent(in) :: nstatv
+    character(len=name_length), allocatable, intent(inout) :: names(:)
+    character(len=*), parameter :: others(9) = [character(len=10) :: 'time', 's11', 's22', 's33', 's12', 's13', 's23', &
+                                                'reaction', 'iterations']
+    character(len=*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz0123456789_().:+-*/[]'
+    integer :: i
+
+    call g%texts('statev_names', names)
+    call require(g, size(names) <= nstatv, 'statev_names', 'has '//str(size(names))// &
+                 ' names: there are nstatv = '//str(nstatv)//' state variables')
+    do i = 1, size(names)
+      call require(g, names(i) /= '' .and. verify(lower(trim(names(i))), letters) == 0, 'statev_names', 'name '//str(i)// &
+                   ' must be 1 to '//str(name_length)//' letters, digits and _ ( ) . : + - * / [ ]')
+      call require(g, .not. any(lower(names(i)) == others), 'statev_names', 'name '//str(i)//', '//trim(names(i))// &
+                   ', is that of another column of history.csv')
+      call require(g, .not. any(names(:i - 1) == names(i)), 'statev_names', 'name '//str(i)//', '//trim(names(i))// &
+                   ', is given twice')
+    end do
+  end subroutine read_statev_names
 
   subroutine read_element(g, s)
     type(group), intent(in) :: g

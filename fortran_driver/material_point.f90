@@ -1,18 +1,28 @@
 ! One material point as an implicit finite-strain host keeps it, and its update by the UMAT.
 module material_point
-  use, intrinsic :: iso_fortran_env, only: dp => real64
-  use umat_interface, only: umat_routine
+  use, intrinsic :: iso_fortran_env, only: dp => real64, int64
+  use text, only: str, stop_run, status_input
+  use umat_interface, only: umat_library
   implicit none
   private
-  public :: determinant, material, point, increment, new_point, update, tensor, ntens, identity
+  public :: determinant, material, point, increment, new_point, update, external_call, tensor, ntens, identity
+  public :: analysis_begins, increment_begins, increment_ends, analysis_ends
 
   integer, parameter :: ntens = 6
   real(dp), parameter :: identity(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_dp, [3, 3])
 
   type :: material
-    procedure(umat_routine), pointer, nopass :: umat => null()
-    real(dp), allocatable :: props(:), statev_initial(:)  ! statev_initial has NSTATV entries
+    type(umat_library) :: library
+    character(len=80) :: cmname
+    real(dp), allocatable :: props(:), statev_initial(:)  ! have NPROPS and NSTATV entries
   end type material
+
+  integer, parameter :: analysis_begins = 0, increment_begins = 1, increment_ends = 2, analysis_ends = 3  ! LOP
+
+  ! What follows PROPS and STATEV in memory: not a number to a UMAT that reads beyond their ends, and what one that
+  ! writes there is found by.
+  integer, parameter :: n_beyond = 1000
+  integer(int64), parameter :: mark = int(z'7FF8C0FFEE000001', int64)
 
   type :: point
     integer :: number = 1
@@ -31,14 +41,52 @@ module material_point
 
 contains
 
-  function new_point(m, number) result(p)
+  function new_point(m, number, coords) result(p)
     type(material), intent(in) :: m
     integer, intent(in) :: number
+    real(dp), intent(in) :: coords(3)
     type(point) :: p
+    real(dp), allocatable :: statev(:)
 
     p%number = number
     allocate (p%statev, source=m%statev_initial)
+    if (.not. associated(m%library%sdvini)) return
+    statev = marked(p%statev)
+    call m%library%sdvini(statev, coords, size(p%statev), 3, 1, number, 1, 1)
+    call take_statev('SDVINI', statev, p%statev)
   end function new_point
+
+  function marked(values) result(longer)
+    real(dp), intent(in) :: values(:)
+    real(dp) :: longer(size(values) + n_beyond)
+
+    longer(:size(values)) = values
+    longer(size(values) + 1:) = transfer(mark, 1.0_dp)
+  end function marked
+
+  subroutine take_statev(routine, longer, statev)
+    character(len=*), intent(in) :: routine
+    real(dp), intent(in) :: longer(:)
+    real(dp), intent(out) :: statev(:)
+    integer :: n, beyond
+
+    n = size(statev)
+    beyond = findloc(transfer(longer(n + 1:), [mark]) /= mark, .true., 1, back=.true.)
+    if (beyond > 0) call stop_run(status_input, 'the '//routine//' writes to STATEV('//str(n + beyond)// &
+                                  '), and there are nstatv = '//str(n))
+    statev = longer(:n)
+  end subroutine take_statev
+
+  ! The UMAT's UEXTERNALDB, if it has one, as Abaqus calls it: at the beginning of an increment with the time there, at
+  ! its end with the time then.
+  subroutine external_call(m, lop, time, inc)
+    type(material), intent(in) :: m
+    integer, intent(in) :: lop
+    real(dp), intent(in) :: time
+    type(increment), intent(in) :: inc
+
+    if (associated(m%library%uexternaldb)) call m%library%uexternaldb(lop, 0, [time, time], inc%dtime, 1, inc%number)
+  end subroutine external_call
 
   ! The point at the end of an increment in which the deformation gradient becomes F. pnewdt < 1: the UMAT
   ! wants a shorter increment, and `new` must not be used.
@@ -49,10 +97,9 @@ contains
     real(dp), intent(in) :: F(3, 3), coords(3), length
     type(point), intent(inout) :: new
     real(dp), intent(out) :: ddsdde(ntens, ntens), pnewdt
+    real(dp) :: statev(size(m%statev_initial) + n_beyond)
     real(dp) :: stress(ntens + 3), dstran(ntens), drot(3, 3), rpl, ddsddt(ntens), drplde(ntens), drpldt
-    character(len=80) :: cmname
 
-    cmname = 'MYOGROWTH'
     new = old
     call hughes_winget(old%F, F, dstran, drot)
     new%stress = components(rotated(tensor(old%stress), drot), 1.0_dp)
@@ -66,10 +113,12 @@ contains
     ! The element is no mixed one. A UMAT that takes it for one (PROPS(18) = 1) finds STRESS longer and its volume
     ! ratio that of F, and the answer is the ordinary one.
     stress = [new%stress, determinant(F), 0.0_dp, 0.0_dp]
-    call m%umat(stress, new%statev, ddsdde, new%energy(1), new%energy(2), new%energy(3), rpl, ddsddt, &
+    statev = marked(new%statev)
+    call m%library%umat(stress, statev, ddsdde, new%energy(1), new%energy(2), new%energy(3), rpl, ddsddt, &
                 drplde, drpldt, new%strain, dstran, [inc%time, inc%time], inc%dtime, 0.0_dp, 0.0_dp, &
-                [0.0_dp], [0.0_dp], cmname, 3, 3, ntens, size(new%statev), m%props, size(m%props), &
+                [0.0_dp], [0.0_dp], m%cmname, 3, 3, ntens, size(new%statev), marked(m%props), size(m%props), &
                 coords, drot, pnewdt, length, old%F, F, 1, old%number, 1, 1, [1, 1, 1, 0], inc%number)
+    call take_statev('UMAT', statev, new%statev)
     new%stress = stress(:ntens)
     new%strain = new%strain + dstran
     new%F = F

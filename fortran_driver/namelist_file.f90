@@ -30,7 +30,7 @@ module namelist_file
     integer :: line
     type(assignment), allocatable :: item(:)
   contains
-    procedure :: check_names, numbers, number, whole, flag, quoted, has, fail, fail_at
+    procedure :: check_names, numbers, number, whole, flag, quoted, texts, has, fail, fail_at
   end type group
 
 contains
@@ -364,14 +364,51 @@ contains
     class(group), intent(in) :: g
     character(len=*), intent(in) :: name
     character(len=:), allocatable, intent(inout) :: text
+    logical :: is_text
+
+    if (.not. g%has(name)) return
+    call unquote(only_word(g, name, 'one text in quotes'), text, is_text)
+    if (.not. is_text) call g%fail(name, 'must be one text in quotes')
+  end subroutine quoted
+
+  ! Texts in quotes; one that is too long for `list` is an error.
+  subroutine texts(g, name, list)
+    class(group), intent(in) :: g
+    character(len=*), intent(in) :: name
+    character(len=*), allocatable, intent(inout) :: list(:)
+    character(len=:), allocatable :: text
+    logical :: is_text
+    integer :: i, k
+
+    if (.not. g%has(name)) return
+    i = findloc([(g%item(i)%name == name, i=1, size(g%item))], .true., 1)
+    associate (a => g%item(i))
+      if (a%first > 0) call g%fail(name, 'takes no subscript; must be texts in quotes')
+      deallocate (list)
+      allocate (list(size(a%word)))
+      do k = 1, size(list)
+        call unquote(a%word(k)%text, text, is_text)
+        if (.not. is_text) call g%fail(name, 'value '//str(k)//' must be a text in quotes', a%word(k)%line)
+        if (len(text) > len(list)) then
+          call g%fail(name, 'value '//str(k)//' has more than '//str(len(list))//' characters', a%word(k)%line)
+        end if
+        list(k) = text
+      end do
+    end associate
+  end subroutine texts
+
+  pure subroutine unquote(word, text, is_text)
+    character(len=*), intent(in) :: word
+    character(len=:), allocatable, intent(inout) :: text
+    logical, intent(out) :: is_text
     character(len=:), allocatable :: found
     character :: quote
     integer :: i, n
 
-    if (.not. g%has(name)) return
-    found = only_word(g, name, 'one text in quotes')//' '
+    found = word//' '
     quote = found(1:1)
-    if (scan(quote, '''"') == 0) call g%fail(name, 'must be one text in quotes')
+    is_text = scan(quote, '''"') == 1
+    if (.not. is_text) return
     text = found
     n = 0
     i = 2
@@ -385,8 +422,8 @@ contains
       i = i + 1
     end do
     text = text(:n)
-    if (i + 1 < len(found)) call g%fail(name, 'must be one text in quotes')
-  end subroutine quoted
+    is_text = i + 1 == len(found)
+  end subroutine unquote
 
   ! Ends the run: FILE:LINE: &GROUP: NAME = what was found: what is wrong.
   subroutine fail(g, name, what, line)

@@ -1,9 +1,12 @@
 ! The files history.csv, newton.log and ddsdde.csv, and the table on the screen.
 module output
   use, intrinsic :: iso_fortran_env, only: dp => real64
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use files, only: output_file, create_file, is_same_file, make_folder, remove_file, say
+  use input, only: name_length
   use material_point, only: point, ntens
-  use text, only: status_input, stop_run, str
+  use run_end, only: time_reached
+  use text, only: note, status_input, stop_run, str
   implicit none
   private
   public :: report, open_report, csv
@@ -12,6 +15,8 @@ module output
     type(output_file) :: history, log, moduli  ! log and moduli: closed if they are not kept
     logical :: quiet = .false.
     real(dp) :: print_every = 0, next_print = -huge(1.0_dp)
+    character(len=name_length), allocatable :: states(:)  ! the columns of the first STATEV
+    logical :: told = .false.                             ! that one is not a number
   contains
     procedure :: row, iteration, tangent, tell, close => close_report
   end type report
@@ -20,8 +25,8 @@ contains
 
   ! The folder is made and the files are created before the first step, so that a run that cannot write them does
   ! not start. Files of an earlier run are removed. `inputs`: what the run reads must not be one of them.
-  subroutine open_report(folder, inputs, quiet, keep_log, keep_moduli, print_every, r)
-    character(len=*), intent(in) :: folder, inputs(:)
+  subroutine open_report(folder, inputs, states, quiet, keep_log, keep_moduli, print_every, r)
+    character(len=*), intent(in) :: folder, inputs(:), states(:)
     logical, intent(in) :: quiet, keep_log, keep_moduli
     real(dp), intent(in) :: print_every
     type(report), intent(out) :: r
@@ -30,6 +35,7 @@ contains
     integer :: i, j
 
     r%quiet = quiet
+    r%states = states
     r%print_every = print_every
     do i = 1, size(inputs)
       do j = 1, size(names)
@@ -43,8 +49,11 @@ contains
     call make_folder(folder)
     if (.not. keep_log) call remove_file(folder//'/newton.log')
     if (.not. keep_moduli) call remove_file(folder//'/ddsdde.csv')
-    call create_file(folder//'/history.csv', &
-                     'time,G,lambda_e,lambda,J,Je,s11,s22,s33,s12,s13,s23,reaction,iterations', r%history)
+    columns = 'time'
+    do i = 1, size(states)
+      columns = columns//','//trim(states(i))
+    end do
+    call create_file(folder//'/history.csv', columns//',s11,s22,s33,s12,s13,s23,reaction,iterations', r%history)
     if (keep_log) then
       call create_file(folder//'/newton.log', 'increment,time,dt,iteration,residual,correction', r%log)
     end if
@@ -66,27 +75,41 @@ contains
     type(point), intent(in) :: points(:)
     integer, intent(in) :: iterations
     logical, intent(in) :: last
-    real(dp) :: state(5), stress(ntens)
+    real(dp) :: state(size(r%states)), stress(ntens)
+    character(len=:), allocatable :: line
     character(len=12) :: count
     integer :: p, n
 
     state = 0
     stress = 0
     do p = 1, size(points)
-      n = min(5, size(points(p)%statev))
+      n = min(size(state), size(points(p)%statev))
       state(:n) = state(:n) + points(p)%statev(:n)/size(points)
       stress = stress + points(p)%stress/size(points)
     end do
     call r%history%put(csv([time, state, stress, reaction])//','//str(iterations))
+    time_reached = time
+    if (.not. (r%told .or. all(ieee_is_finite([state, stress])))) then
+      n = findloc(ieee_is_finite([state, stress]), .false., 1)
+      line = 'the stress'
+      if (n <= size(state)) line = 'STATEV('//str(n)//'), '//trim(r%states(n))//','
+      call note(line//' is not a number at time '//str(time)//', and in later rows where history.csv says so')
+      r%told = .true.
+    end if
     if (r%quiet .or. (time < r%next_print .and. .not. last)) return
     if (r%next_print <= -huge(time)) then
-      call r%tell('        time           G    lambda_e      lambda           J           s11'// &
-                  '      reaction  iterations')
+      line = '        time'
+      do n = 1, min(4, size(state))
+        line = line//' '//adjustr(r%states(n)(:11))
+      end do
+      call r%tell(line//'           s11      reaction  iterations')
     end if
     write (count, '(i12)') iterations
-    call r%tell(column(time, '(f12.5)')//column(state(1), '(f12.6)')//column(state(2), '(f12.6)')// &
-                column(state(3), '(f12.6)')//column(state(4), '(f12.6)')//column(stress(1), '(es14.5)')// &
-                column(reaction, '(es14.5)')//count)
+    line = column(time, '(f12.5)')
+    do n = 1, min(4, size(state))
+      line = line//column(state(n), '(f12.6)')
+    end do
+    call r%tell(line//column(stress(1), '(es14.5)')//column(reaction, '(es14.5)')//count)
     r%next_print = time + r%print_every*(1 - 1.0e-6_dp)
   end subroutine row
 

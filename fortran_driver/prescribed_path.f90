@@ -4,7 +4,8 @@ module prescribed_path
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use files, only: text_file, read_file
   use input, only: most_time
-  use material_point, only: material, point, increment, new_point, update, determinant, identity
+  use material_point, only: material, point, increment, new_point, update, external_call, determinant, identity, &
+                            increment_begins, increment_ends
   use output, only: report
   use text, only: read_number, str, visible, stop_run, status_input, status_run
   implicit none
@@ -127,31 +128,41 @@ contains
     type(material), intent(in) :: m
     type(report), intent(inout) :: r
     type(point) :: now, next
+    type(increment) :: inc
     real(dp) :: ddsdde(6, 6), F(3, 3), time, pnewdt
     integer :: i
 
-    now = new_point(m, 1)
+    now = new_point(m, 1, [0.0_dp, 0.0_dp, 0.0_dp])
     next = now
     time = p%value(1, 1)
-    call update(m, now, increment(time, 0.0_dp, 1), identity, [0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp, next, ddsdde, pnewdt)
-    if (.not. pnewdt >= 1) then
-      call stop_run(status_input, p%name//': PROPS or STATEV cannot be used: before the first row, at F = 1 and '// &
-                    'without time, the UMAT asks for PNEWDT = '//str(pnewdt))
+    if (m%library%is_ours) then
+      call update(m, now, increment(time, 0.0_dp, 1), identity, [0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp, next, ddsdde, pnewdt)
+      if (.not. pnewdt >= 1) then
+        call stop_run(status_input, p%name//': PROPS or STATEV cannot be used: before the first row, at F = 1 and '// &
+                      'without time, the UMAT asks for PNEWDT = '//str(pnewdt))
+      end if
     end if
 
     do i = 1, size(p%line)
       F = transpose(reshape(p%value(2:, i), [3, 3]))
-      call update(m, now, increment(time, p%value(1, i) - time, i), F, [0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp, next, &
-                  ddsdde, pnewdt)
+      if (i == 1 .and. .not. m%library%is_ours .and. all(abs(F - identity) <= 0)) then
+        call r%row(time, [now], 0.0_dp, 0, last=.false.)  ! where the path begins: no call without time, see solver.f90
+        cycle
+      end if
+      inc = increment(time, p%value(1, i) - time, i)
+      call external_call(m, increment_begins, time, inc)
+      call update(m, now, inc, F, [0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp, next, ddsdde, pnewdt)
       if (.not. determinant(F) > 0) then
         call stop_here('det F = '//str(determinant(F))//': must be > 0')
       else if (.not. pnewdt >= 1) then
         call stop_here('the UMAT asks for PNEWDT = '//str(pnewdt)//' at det F = '//str(determinant(F)))
       else if (.not. (all(ieee_is_finite(next%stress)) .and. all(ieee_is_finite(ddsdde)))) then
-        call stop_here('the UMAT returned a stress or a tangent that is not a number')
+        call stop_here('the UMAT returned a stress or a tangent that is not a number'// &
+                       trim(merge(', called with DTIME = 0 as the first row is', repeat(' ', 43), i == 1)))
       end if
       now = next
       time = p%value(1, i)
+      call external_call(m, increment_ends, time, inc)
       call r%row(time, [now], 0.0_dp, 1, last=.false.)
       call r%tangent(time, ddsdde)
     end do

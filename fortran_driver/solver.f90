@@ -5,7 +5,7 @@ module solver
   use boundary, only: boundary_conditions, new_boundary, on_face
   use element, only: brick, new_brick, assemble, n_nodes, n_points, n_dofs
   use input, only: settings
-  use material_point, only: material, point, increment, new_point
+  use material_point, only: material, point, increment, new_point, external_call, increment_begins, increment_ends
   use output, only: report
   use text, only: str, stop_run, status_input, status_run
   implicit none
@@ -48,10 +48,14 @@ contains
     b = new_brick(s%size, s%symmetrise)
     call new_boundary(s, b, bc)
     do p = 1, n_points
-      now%points(p) = new_point(m, p)
+      now%points(p) = new_point(m, p, matmul(b%X, b%N(:, p)))
     end do
     trial = now
-    call write_initial(b, m, now, s, r)
+    if (m%library%is_ours) then
+      call write_initial(b, m, now, s, r)
+    else  ! Abaqus makes no call without time, and others' UMATs may divide by it
+      call r%row(0.0_dp, now%points, 0.0_dp, 0, last=.false.)
+    end if
 
     increments = 0
     all_cutbacks = 0
@@ -78,6 +82,7 @@ contains
           all_cutbacks = all_cutbacks + 1
           cycle
         end if
+        call external_call(m, increment_ends, trial%time, increment(now%time, trial%time - now%time, increments + 1))
         now = trial
         cutbacks = 0
         increments = increments + 1
@@ -139,6 +144,7 @@ contains
     integer :: info
 
     inc = increment(now%time, trial%time - now%time, number)
+    call external_call(m, increment_begins, inc%time, inc)
     force = bc%forces(trial%time)
     prescribed = bc%displacements(trial%time)
     trial%u = now%u

@@ -2,6 +2,7 @@
 module text
   use, intrinsic :: iso_fortran_env, only: dp => real64, error_unit
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use run_end, only: end_run
   implicit none
   private
   public :: lower, str, visible, escaped, read_number, note, stop_run, status_input, status_run, status_output
@@ -169,7 +170,7 @@ contains
     character(len=*), intent(in) :: message
 
     write (error_unit, '(a)') escaped(message, 255)
-    stop status, quiet=.true.
+    call end_run(status)
   end subroutine stop_run
 
 end module text

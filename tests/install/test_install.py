@@ -72,7 +72,8 @@ class Staged(Case):
         rest = {f for f in files if not re.match(r"include/myogrowth/|lib/(cmake|pkgconfig)/|share/myogrowth/cases/", f)}
         libraries = ["MYOGROWTH", *(f"myogrowth{x}" for x in ("", "_umat", "_vumat", "_vumat_float", "_mgis", "_probe"))]
         minor = VERSION.rsplit(".", 1)[0]
-        expected = {"bin/myogrowth_driver", "include/myogrowth.h", "share/doc/myogrowth/copyright",
+        expected = {"bin/myogrowth_driver", "include/myogrowth.h", "share/doc/myogrowth/copyright", "lib/libmyogrowth_abaqus.so",
+                    "share/myogrowth/umat/compile.sh", "share/myogrowth/umat/ABA_PARAM.INC",
                     *(f"lib/lib{x}.so" for x in libraries), f"lib/libmyogrowth.so.{minor}", f"lib/libmyogrowth.so.{VERSION}"}
         self.assertEqual(rest - {"share/myogrowth/myogrowth_umat_single.cpp"}, expected)
 
@@ -246,6 +247,12 @@ class Package(Case):
             self.assertGreater(len(written[0].splitlines()), 10)
             self.assertEqual(written[1], written[0])
             self.assertEqual(written[2], written[0])
+        for prefix in unpacked:  # somebody else's UMAT: the library of utilities is found
+            library = self.folder / "foreign.so"
+            run(prefix / "share/myogrowth/umat/compile.sh", SOURCE / "tests/driver/foreign_umat.f", library)
+            case = self.folder / "foreign.nml"
+            case.write_text("&material props = 1000.0, 0.3, 0.0 nstatv = 12 cmname = 'STEEL' /\n&time duration = 1.0 dt = 0.5 /\n")
+            self.assertIn("2 increments", run(prefix / "bin/myogrowth_driver", case, "--umat", library, "--out", self.folder))
 
 
 if __name__ == "__main__":

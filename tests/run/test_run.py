@@ -138,6 +138,8 @@ class Help(Run):
         for seconds in ("0", "x", "-3", "1 2"):
             self.refuses("whole number of seconds", "fuzz", seconds)
         self.refuses("no option '--fast'", "release", "--fast")
+        self.refuses("needs the source file of a UMAT", "umat")
+        self.refuses("comes first, found '--out'", "umat", "--out", "folder")
         for option in ("--ranks", "--prm", "--mesh"):
             self.refuses(f"{option} needs a value", "mpi", option)
         self.refuses("no option 'x'", "mpi", "x")
