@@ -140,6 +140,7 @@ class Help(Run):
         self.refuses("no option '--fast'", "release", "--fast")
         self.refuses("needs the source file of a UMAT", "umat")
         self.refuses("comes first, found '--out'", "umat", "--out", "folder")
+        self.refuses("expected cube or cylinder, found 'ball'", "fenicsx", "ball")
         for option in ("--ranks", "--prm", "--mesh"):
             self.refuses(f"{option} needs a value", "mpi", option)
         self.refuses("no option 'x'", "mpi", "x")
