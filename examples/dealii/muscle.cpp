@@ -1086,7 +1086,8 @@ bool Muscle::run(const volatile int& asked_to_end) {
     double dt = dt_;
     if (adaptive) {
       dt = std::min(dt, parameters_.longest_step);
-      for (const Attachment& a : attachments_) dt = std::min(dt, a.action.table.changing_for(time_) / 10);
+      for (const Attachment& a : attachments_)
+        dt = std::min(dt, parameters_.largest_part * a.action.table.changing_for(time_));
     }
     const bool to_stop = time_ + dt * 1.000001 >= stop;
     if (to_stop) dt = stop - time_;

@@ -236,8 +236,9 @@ void Entries::declare() {
     choice("Steps", "adaptive", "adaptive|fixed|listed",
            "adaptive: from Step on as long as Tolerance allows; fixed: Step each; listed: to Times");
     real("Step", "0.02", tiny, any, "the first step, or each [time]");
-    real("Longest", "4", tiny, any,
-         "no step is longer; while the pull grows, none is longer than a tenth of Ramp [time]");
+    real("Longest", "4", tiny, any, "no step is longer [time]");
+    real("Part", "0.1", 1e-6, 1,
+         "no step is a larger part of the time in which the pull, or an attachment on its way, moves [-]");
     real("Tolerance", "1e-4", tiny, 1, "of the time error of G in a step, as the library estimates it [-]");
     list("Times", "", Patterns::Double(tiny, any), "numbers > 0", 0, 1000000,
          "ends of the steps; the last one takes the place of End [time]");
@@ -348,6 +349,7 @@ Parameters values(ParameterHandler& prm) {
   p.steps = prm.get("Steps");
   p.step = prm.get_double("Step");
   p.longest_step = prm.get_double("Longest");
+  p.largest_part = prm.get_double("Part");
   p.time_tolerance = prm.get_double("Tolerance");
   p.times = numbers(prm.get("Times"));
   prm.leave_subsection();

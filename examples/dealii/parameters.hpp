@@ -76,6 +76,7 @@ struct Parameters {
   double ramp, end;           ///< [time]
   std::string steps;          ///< adaptive, fixed or listed
   double step, longest_step;  ///< [time]
+  double largest_part;        ///< of an attachment's way in one step [-]
   double time_tolerance;      ///< of G in a step [-]
   std::vector<double> times;  ///< ends of the steps, if listed
 

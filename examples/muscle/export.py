@@ -22,7 +22,7 @@ REQUIRED = ("c1", "c2", "tau", "gamma", "G_max", "lambda_crit")
 REMOVAL = ("tau_rev", "gamma_rev", "G_min", "lambda_crit_rev")
 STATE = ["G", "lambda_e", "lambda", "J", "Je", "n0_1", "n0_2", "n0_3"]
 # Entries that a deck does not need: they are of the solver itself.
-SOLVER_ONLY = re.compile(r"Solver/.*|Output/.*|Time/(Tolerance|Longest|Times|Steps|Step|Ramp|End)")
+SOLVER_ONLY = re.compile(r"Solver/.*|Output/.*|Time/(Tolerance|Longest|Part|Times|Steps|Step|Ramp|End)")
 
 
 class Input:

@@ -434,6 +434,12 @@ class Cuts(Case):
         self.assertGreater(len(fine["time"]), 1.5 * len(coarse["time"]))
         self.assertLess(abs(coarse["G_mean"][-1] - fine["G_mean"][-1]), 1e-3)
 
+    def test_a_pull_takes_as_many_steps_as_asked_for(self):
+        entries = {**BRICK, **SHARP, "Time/Tolerance": 1, "Time/Step": 1, "Time/Ramp": 1, "Time/End": 1}
+        for part, steps in ((0.25, 4), (0.5, 2), (1, 1)):
+            self.run_muscle(1, f"part_{part}", {**entries, "Time/Part": part})
+            self.assertEqual(len(self.columns(f"part_{part}")["time"]), steps)
+
     def test_gives_up_where_no_step_is_short_enough(self):
         text = self.run_muscle(1, "impossible", {**BRICK, "Ends/Pull": 1e6, "Solver/Newton iterations": 1, "Time/Steps": "fixed", "Time/Step": 1e-7, "Time/End": 0.01, "Time/Ramp": 0.01,
                                                  "Solver/Newton tolerance": 1e-14}, status=1)
