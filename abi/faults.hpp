@@ -60,8 +60,10 @@ constexpr int digits() {
 /// place, "PROPS(5) = 0.9: G_max, ...".
 inline bool tell_bad_entry(const Property& p, double x, Text& text, const char* place = nullptr,
                            int n_digits = digits<double>()) {
-  return tell(text, "%s = %.*g: %s%s%s, must be finite and %s.", place ? place : p.symbol, n_digits, x,
-              place ? p.symbol : "", place ? ", " : "", p.meaning, abi::text(p.allowed));
+  const bool any = p.allowed == Allowed::any;
+  return tell(text, "%s = %.*g: %s%s%s, must be finite%s%s.", place ? place : p.symbol, n_digits, x,
+              place ? p.symbol : "", place ? ", " : "", p.meaning, any ? "" : " and ",
+              any ? "" : abi::text(p.allowed));
 }
 inline bool tell_bad_entry(int i, double x, Text& text, const char* place = nullptr,
                            int n_digits = digits<double>()) {

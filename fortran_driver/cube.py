@@ -108,7 +108,8 @@ def run(a):
         times, values = "0.0", f"{a.stretch - 1!r}"
     law = f", 9*0.0, {a.law}.0, {a.activation!r}" if a.law else ""
     files.write_text(case, CASE.format(**{**vars(a), "law": law}, times=times, values=values, print_every=a.duration / 14))
-    status = subprocess.run([a.driver, case, "--out", a.out]).returncode
+    given = [f"./{name}" if str(name).startswith("-") else name for name in (case, a.out)]  # else it would be an option
+    status = subprocess.run([a.driver, given[0], "--out", given[1]]).returncode
     if status < 0:
         raise files.FileError(f"{a.driver}: {files.ended(status)}")
     if status:

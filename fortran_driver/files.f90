@@ -89,6 +89,11 @@ module files
       type(c_funptr), value :: handler
       type(c_funptr) :: before
     end function c_signal
+    function c_fileno(stream) bind(c, name='fileno') result(descriptor)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: stream
+      integer(c_int) :: descriptor
+    end function c_fileno
     subroutine c_perror(text) bind(c, name='perror')
       import :: c_char
       character(kind=c_char), intent(in) :: text(*)
@@ -187,12 +192,14 @@ contains
   end subroutine remove_file
 
   ! Whether two names are those of one file, by links as well: the runtime compares device and inode with those of
-  ! the files that are open.
+  ! the files that are open. A pipe, whose size is 0, is not opened again: that would wait for another writer.
   logical function is_same_file(name, other)
     character(len=*), intent(in) :: name, other
-    integer :: unit, status
+    integer :: unit, status, bytes
 
     is_same_file = .false.
+    inquire (file=name, size=bytes)
+    if (bytes <= 0) return
     open (newunit=unit, file=name, status='old', action='read', iostat=status)
     if (status /= 0) return
     inquire (file=other, opened=is_same_file)
@@ -233,20 +240,30 @@ contains
     if (status /= 0) call stop_with_reason(status_output, file%name//': cannot be written')
   end subroutine close_file
 
-  ! Comes before any file is created: a file would take the place of a standard output that is closed. quiet: `say`
-  ! says nothing.
+  ! Comes before any file is opened: a file would take the place of a standard stream that is closed, and get what is
+  ! printed. quiet: `say` says nothing, and standard output may be closed.
   subroutine start_output(quiet)
     logical, intent(in) :: quiet
     integer(c_int), parameter :: sigxfsz = 25
     type(c_funptr) :: ignore, before
+    type(c_ptr) :: unused
+    integer(c_int) :: status
 
     ! A file that reaches the size limit (ulimit -f) is an error of the write like a full disk, not the program's end.
     ignore = transfer(1_c_intptr_t, c_null_funptr)  ! SIG_IGN
     before = c_signal(sigxfsz, ignore)
-    if (quiet) return
-    screen%name = 'standard output'
-    screen%stream = c_fdopen(1_c_int, 'w'//c_null_char)
-    if (.not. c_associated(screen%stream)) call stop_with_reason(status_output, screen%name//': cannot be written')
+    if (.not. quiet) then
+      screen%name = 'standard output'
+      screen%stream = c_fdopen(1_c_int, 'w'//c_null_char)
+      if (.not. c_associated(screen%stream)) call stop_with_reason(status_output, screen%name//': cannot be written')
+    end if
+    do
+      unused = c_fopen('/dev/null'//c_null_char, 'r+'//c_null_char)
+      if (.not. c_associated(unused)) exit
+      if (c_fileno(unused) <= 2) cycle
+      status = c_fclose(unused)
+      exit
+    end do
   end subroutine start_output
 
   ! A name from the root.

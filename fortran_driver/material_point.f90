@@ -190,15 +190,18 @@ contains
     c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
   end function cross
 
-  ! Zero where it is no more than the rounding of its six terms: a singular matrix is seldom exactly singular.
+  ! Zero where it is no more than the rounding of its six terms: a singular matrix is seldom exactly singular. Not
+  ! finite where a term is not.
   pure real(dp) function determinant(a)
     real(dp), intent(in) :: a(3, 3)
-    real(dp) :: term(6)
+    real(dp) :: term(6), size_of_terms
 
     term = [a(1, 1)*a(2, 2)*a(3, 3), a(1, 2)*a(2, 3)*a(3, 1), a(1, 3)*a(2, 1)*a(3, 2), &
             -a(1, 3)*a(2, 2)*a(3, 1), -a(1, 1)*a(2, 3)*a(3, 2), -a(1, 2)*a(2, 1)*a(3, 3)]
     determinant = sum(term)
-    if (abs(determinant) <= 4*epsilon(determinant)*sum(abs(term))) determinant = 0
+    size_of_terms = sum(abs(term))
+    if (size_of_terms > huge(determinant)) return
+    if (abs(determinant) <= 4*epsilon(determinant)*size_of_terms) determinant = 0
   end function determinant
 
 end module material_point

@@ -90,6 +90,7 @@ contains
     character :: quote
     integer :: i
 
+    if (index(raw, achar(0)) > 0) call file%stop_at('has a character of value 0, which ends texts: expected a text file')
     line = raw
     hidden = raw
     quote = ' '

@@ -37,8 +37,7 @@ class Output : public std::ostream {
   /// mode as of fopen: "w" cuts the file, "a" appends to it.
   explicit Output(const std::string& path, const char* mode = "w")
       : Output(std::fopen(path.c_str(), mode), path) {}
-  /// Standard output, which close() flushes. To be asked for once before any file is opened, so that a closed
-  /// one is noticed: the first file would take its place.
+  /// Standard output, which close() flushes.
   static Output standard() {
     return Output(fcntl(STDOUT_FILENO, F_GETFD) < 0 ? nullptr : stdout, "standard output");
   }
@@ -87,6 +86,17 @@ class Output : public std::ostream {
 
   Buffer buffer_;
 };
+
+/// To be called first of all: a file would take the place of a standard stream that is closed, and get what
+/// is printed. Throws Error if standard output is closed; what is written to a closed standard error is
+/// dropped.
+inline void check_standard_streams() {
+  Output::standard();
+  int place;
+  while ((place = open("/dev/null", O_RDWR)) >= 0 && place <= STDERR_FILENO) {
+  }
+  if (place > STDERR_FILENO) ::close(place);
+}
 
 /// Writes a whole file.
 inline void write_file(const std::string& path, const std::string& text) {

@@ -143,6 +143,10 @@ class Rows {
     fail(i, "expected " + what + ", found '" + visible(fields_[i]) + "'" +
                 (comma.empty() ? hint(fields_[i]) : comma));
   }
+  /// Says that field i, a number, is not one of those that are allowed.
+  [[noreturn]] void out_of_range(std::size_t i, const std::string& what) const {
+    fail(i, "expected " + what + ", found '" + visible(fields_[i]) + "'");
+  }
 
   /// Field i; it has to be there.
   std::string text(std::size_t i, const std::string& what) const { return std::string(text_view(i, what)); }
@@ -189,7 +193,8 @@ class Rows {
   template <class Allowed>
   double number_if(std::size_t i, const std::string& what, const Allowed& allowed) const {
     double x;
-    if (i >= size() || !to_number(fields_[i], x) || !allowed(x)) unexpected(i, what);
+    if (i >= size() || !to_number(fields_[i], x)) unexpected(i, what);
+    if (!allowed(x)) out_of_range(i, what);
     // `ramp, 1,1` would be read silently as two numbers.
     if (blank_after_comma_ && !decimal_comma(i).empty()) {
       const std::string whole(fields_[i]), part(fields_[i + 1]);

@@ -172,6 +172,9 @@ inline void check_parameters(const Study& s) {
     if (tau_rev > 0 && !s.given.count(name))
       throw Error(s.given.at("tau_rev") + ": tau_rev = " + text_of(tau_rev) + ": expected " + name +
                   " to be set too, as all of removal's parameters");
+    if (s.given.count(name) && !s.given.count("tau_rev"))
+      throw Error(s.given.at(name) + ": expected tau_rev to be set too: without it nothing is removed, and " +
+                  name + " is not used");
   }
   const Bounds *crit = nullptr, *crit_rev = nullptr;
   for (const Bounds& b : s.fitted) {
@@ -294,7 +297,7 @@ class Reader {
     const auto within = [&](std::size_t i, const std::string& what, double least, double most) {
       const double x = rows.number(i, what, 0);
       if (!(least <= x && x <= most))
-        rows.unexpected(i, what + " from " + text_of(least) + " to " + text_of(most));
+        rows.out_of_range(i, what + " from " + text_of(least) + " to " + text_of(most));
       return x;
     };
     const auto days = [&](std::size_t i) { return within(i, "a time in days", least_days, most_days); };
@@ -692,7 +695,7 @@ class Folder {
 template <class Body>
 int run(const Body& body) {
   try {
-    common::Output::standard();  // closed before the first file is opened?
+    common::check_standard_streams();
     return body();
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "error: there is not enough memory\n");

@@ -61,5 +61,9 @@ int main() {
   for (const double G : {1.0, state.G}) {
     for (const double activation : {0.0, 1.0}) curve("whole muscle", Blemker<>(), G, activation, 0.6, 2.6);
   }
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) {
+    std::perror("standard output cannot be written");
+    return 1;
+  }
   return 0;
 }

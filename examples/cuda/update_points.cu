@@ -251,7 +251,7 @@ bool run_all(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    common::Output::standard();  // closed before the first file is opened?
+    common::check_standard_streams();
     return run_all(argc, argv) ? 0 : 1;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "update_points: not enough memory; --points takes fewer\n");

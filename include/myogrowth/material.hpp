@@ -27,6 +27,11 @@ struct State {
 
 /// Result of an update. T as in FibreGrowth's formulas: a real number, complex, dual. Point: what
 /// update_point of the material gives.
+///
+/// `status` is about the numbers of `point`, which are finite where it is ok. The measures below are made
+/// from them when they are asked for, and can be beyond the range of T for an F that no muscle has: of
+/// double, dS_dE() where a stretch is below about 1e-75, dP_dF() and second_piola() below 1e-150. Their
+/// entries are then infinite or NaN. (The C API, and all that is built on it, calls that not finite.)
 template <class T = double, class Point = PointUpdate<T>>
 struct Update {
   State<T> state;  ///< at the end of the step; the state that came in if the update failed

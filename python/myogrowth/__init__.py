@@ -466,7 +466,7 @@ def simulate(muscle: Parameters, time: ArrayLike, stretch: ArrayLike, *, G: floa
     if time.ndim != 1 or time.size == 0:
         raise ValueError(f"time has shape {time.shape}: must be (n,), n >= 1")
     wrong = ~np.isfinite(time)
-    wrong[1:] |= ~(np.diff(time) > 0)
+    wrong[1:] |= ~(time[1:] > time[:-1])
     for i in np.flatnonzero(wrong):
         after = f" after {time[i - 1]:g}" if i else ""
         raise ValueError(f"time: must be finite and increase from entry to entry, is {time[i]:g}{after} in entry {i}")

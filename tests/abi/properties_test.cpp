@@ -81,6 +81,8 @@ TEST(Properties, BadValuesAreNamedBySymbol) {
   good.removal = RemovalRate<double>{0, -1, 7, 1.5};  // off: need only be finite
   EXPECT_FALSE(abi::find_material_fault(good, text));
   EXPECT_TRUE(abi::find_value_fault(good, 15, 7, text));  // but a value that somebody gives is
+  EXPECT_TRUE(abi::tell_bad_entry(7, inf, text));         // what may be anything must be finite, once
+  EXPECT_EQ(text, std::string("n0_2 = inf: (second component), must be finite."));
 }
 
 }  // namespace

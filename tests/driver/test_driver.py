@@ -308,6 +308,20 @@ class Path(unittest.TestCase):
         self.assertEqual(run.status, 2)
         self.assertIn("F.csv:2: row 1, time 0: det F = 0: must be > 0", run.errors)
 
+    def test_a_determinant_beyond_the_range(self):
+        run = self.path(self.HEAD + "0,1e200,0,0,0,1e200,0,0,0,1e200\n")
+        self.assertEqual(run.status, 2)
+        self.assertRegex(run.errors, "F.csv:2: row 1, time 0: .*det F = Infinity")
+
+    def test_a_pipe(self):
+        """`--path <(program)`: is read once."""
+        rows = self.HEAD + "0,1,0,0,0,1,0,0,0,1\n"
+        with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:
+            (pathlib.Path(folder) / "history.csv").write_text("of an earlier run")
+            done = subprocess.run(["bash", "-c", '"$0" --quiet --path <(printf %s "$1") --out "$2"', DRIVER, rows, folder],
+                                  timeout=60, capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
     def test_what_a_spreadsheet_writes(self):
         plain = self.path(self.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1.1,0,0,0,1,0,0,0,1\n")
         for text in (
@@ -615,6 +629,7 @@ class InputErrors(unittest.TestCase):
         self.expect("&output folder = ' ' /\n", "must not be empty")
         self.expect("&material umat_file = '' /\n", "must not be empty")
         self.expect("&output folder = out/a /\n", "text after the closing /")
+        self.expect("&output\n folder = 'a\0b' /\n", "case.nml:2: has a character of value 0")  # no folder is called a
         self.expect("&time du\x01ration = 1 /\n", r'unknown variable "du\x01ration"')
         self.expect("&time = 1 /\n", "must be NAME = VALUE")
         self.expect("\u00a0\n&time /\n", r'"\xC2\xA0": text outside a group')
@@ -680,6 +695,17 @@ class Writing(unittest.TestCase):
                 self.expect("standard output: cannot be written: No space left on device", *arguments, stdout=full)
         run = self.expect("standard output: cannot be written: Bad file descriptor", stdout=None, preexec_fn=lambda: os.close(1))
         self.assertFalse((run.folder / "history.csv").exists())
+
+    def test_no_file_takes_the_place_of_a_closed_stream(self):
+        """What the UMAT says would stand among the results."""
+        (self.folder / "F.csv").write_text(Path.HEAD + "0,1,0,0,0,1,0,0,0,1\n1,1e154,0,0,0,1e154,0,0,0,1e154\n")
+        for closed in (1, 2):
+            done = subprocess.run([DRIVER, "--quiet", "--path", self.folder / "F.csv", "--out", self.folder], timeout=60,
+                                  preexec_fn=lambda: os.close(closed), stdout=None if closed == 1 else subprocess.PIPE,
+                                  stderr=subprocess.DEVNULL if closed == 1 else None)
+            self.assertEqual(done.returncode, 2)
+            self.assertEqual(len((self.folder / "history.csv").read_text().splitlines()), 2)
+            self.assertEqual(len((self.folder / "ddsdde.csv").read_text().splitlines()), 2)
 
     def test_groups_that_a_path_does_not_use_are_said(self):
         (self.folder / "F.csv").write_text(Path.HEAD + "0,1,0,0,0,1,0,0,0,1\n")
@@ -796,6 +822,13 @@ class CubeJob(unittest.TestCase):
                 self.assertIn(words, done.stderr)
                 self.assertNotIn("Traceback", done.stderr)
 
+    def test_a_folder_with_a_leading_dash(self):
+        with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:
+            done = subprocess.run([sys.executable, cube.__file__, "--driver", DRIVER, "--out=-x", "--duration", "1", "--step", "0.5"],
+                                  capture_output=True, text=True, timeout=300, cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual({p.name for p in pathlib.Path(folder, "-x").iterdir()} - {"lock"}, set(cube.FILES))
+
     def test_nothing_of_an_earlier_run_is_shown(self):
         _, folder = self.cube("--duration", "2", "--step", "1")
         self.assertTrue((folder / "fig4_sarcomere_number.png").exists())
@@ -864,6 +897,10 @@ class Exact(unittest.TestCase):
                     G, = self.G([t], stretch=stretch, gamma=float(gamma))
                     if G < G_MAX:
                         self.assertAlmostEqual(TAU * (T(G) - T(1)), t, delta=1e-8)
+
+    def test_it_ends(self):
+        with self.assertRaisesRegex(ValueError, r"eq. 4 takes more than 1000 steps by time .* gamma = 1e\+308"):
+            self.G([42.0], gamma=1e308, ramp=1.0)
 
     def test_output_times_change_nothing(self):
         for gamma in (0.5, 2.0):

@@ -1,6 +1,7 @@
 // What the programs of examples/ read and write with: the place and the words of everything that is wrong.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 
 #include <csignal>
 #include <fstream>
@@ -120,6 +121,13 @@ TEST_F(RowsTest, NamesDecimalCommasAndOtherSeparators) {
             "a.csv:1:1: expected a value, a number, found '0,5': decimal comma? write 0.5");
   EXPECT_EQ(fault("number,1,2\n"), "no error");
   EXPECT_EQ(fault("number, 1,2\n"), "a.csv:1:9: two numbers or one? write '1, 2' or '1.2'");
+  // A number that is not allowed is no decimal comma.
+  EXPECT_EQ(message([&] {
+              Rows rows(file("number,3,1\n"), Separator::comma);
+              rows.next();
+              rows.number(2, "an upper bound", 3.0);
+            }),
+            "a.csv:1:10: expected an upper bound, a number > 3, found '1'");
 }
 
 TEST_F(RowsTest, NamesWhatIsNoText) {
@@ -186,6 +194,26 @@ TEST_F(FilesTest, OutputMeetsTheEndOfItsDisk) {
   const std::string found = message([&] { common::write_file(folder + "/a", std::string(9000, 'x')); });
   setrlimit(RLIMIT_FSIZE, &before);
   EXPECT_EQ(found, "a: cannot be written: File too large");
+}
+
+// A file would take the place of a closed stream, and get what is printed.
+TEST_F(FilesTest, ClosedStreams) {
+  const auto in_child = [&](int closed) {
+    const pid_t child = fork();
+    if (child == 0) {
+      close(closed);
+      const std::string found = message([] { common::check_standard_streams(); });
+      const int next = open(folder.c_str(), O_RDONLY);
+      const bool right = closed == STDOUT_FILENO
+                             ? found == "standard output: cannot be written: Bad file descriptor"
+                             : found == "no error" && next > STDERR_FILENO;
+      _exit(right ? 0 : 1);
+    }
+    int status = 1;
+    waitpid(child, &status, 0);
+    return status;
+  };
+  for (int closed : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) EXPECT_EQ(in_child(closed), 0) << closed;
 }
 
 TEST_F(FilesTest, FoldersAreMadeAndTried) {

@@ -261,6 +261,7 @@ class Fit(Job):
             (removal + "1.5\n" + end, "study.csv:4:23: lambda_crit_rev = 1.5: elastic fibre stretch below which sarcomeres are"),
             ("set, tau_rev, 1\nset, gamma_rev, 2\nset, lambda_crit_rev, 1\n" + end,
              "study.csv:1:15: tau_rev = 1: expected G_min to be set too"),
+            ("set, G_min, 0.5\n" + end, "study.csv:1:13: expected tau_rev to be set too: without it nothing is removed"),
             (removal + "1\nfit, lambda_crit, 0.98, 1.04\n" + end,
              "study.csv:5:1: with lambda_crit = 0.98: lambda_crit_rev = 1: "),
             ("fit, tau, -1, 3\n" + end, "study.csv:1:1: tau = -1: time constant of growth, must be finite and > 0"),
@@ -730,10 +731,10 @@ class Programs(unittest.TestCase):
     """The programs of examples/cpp."""
 
     def test_writing(self):
-        for name in ("growth_over_time", "cross_fibre_growth", "threads"):
+        for name in ("growth_over_time", "cross_fibre_growth", "elastic_law", "law_curves", "threads"):
             program = PROGRAMS / name
-            if name == "threads" and not program.is_file():
-                continue  # no OpenMP
+            if name in ("law_curves", "threads") and not program.is_file():
+                continue  # not built without being asked for; no OpenMP
             with self.subTest(name), open("/dev/full", "wb") as full:
                 self.assertEqual(subprocess.run([program], stdout=subprocess.DEVNULL).returncode, 0)
                 done = subprocess.run([program], stdout=full, stderr=subprocess.PIPE, text=True)

@@ -275,6 +275,7 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
       take(few_steps(common.growth, up, G_n, lambda, dt), unsolved);
   }
   if (material.removal.tau_rev > 0) {
+    bad = bad | !is_finite(G_n);  // an infinite G would shrink to an ordinary one
     const auto down = shrinks(material.removal, G_n, lambda, dt) & !bad;
     if (any(down)) {
       const auto take = [&](const auto& step) {

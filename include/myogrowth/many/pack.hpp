@@ -172,7 +172,7 @@ Mask<V, N> opaque(Mask<V, N> mask) {
 /// As for plain numbers (scalar.hpp). Only where a compiler needs it: it costs the batch 5 % with AVX2.
 template <class V, int N>
 Pack<V, N> rounded(Pack<V, N> a) {
-#if defined(__FAST_MATH__) || defined(__clang__)
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__clang__)
   for (auto& part : a.v) MYOGROWTH_OPAQUE(part);
 #endif
   return a;
