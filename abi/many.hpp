@@ -19,19 +19,21 @@ struct Common {
   double dt;
   int measure;  ///< of stress and tangent, as convert() has them
   bool with_tangent;
+  bool has_law = false;  ///< an elastic law other than eq. 3, which packs do not have
 };
 
-/// What a step gives at one point, for the host to take: component c of stress and tangent at [c * stride].
-template <int stride>
+/// The row of a block where entry `e` of the state at the end is.
+constexpr int row_of_state(int e) {
+  return e < fibre_entry ? myogrowth_row_G_end + e * myogrowth_block_points
+                         : myogrowth_row_n0 + (e - fibre_entry) * myogrowth_block_points;
+}
+
+/// What a step gives at one point, for the host to take, by the rows of a block; `step`: from one row to the
+/// next.
 struct Result {
-  const double *stress, *tangent;
-  double psi, state[n_kept];
-  /// The n components of the stress, and of the tangent unless it is null, one after the other.
-  template <int n>
-  void copy(double* to_stress, double* to_tangent) const {
-    for (int c = 0; c < n; ++c) to_stress[c] = stress[c * stride];
-    for (int c = 0; c < n * n && to_tangent; ++c) to_tangent[c] = tangent[c * stride];
-  }
+  const double* column;
+  std::ptrdiff_t step;
+  double operator[](int row) const { return column[row / myogrowth_block_points * step]; }
 };
 
 /// One step at one point by the scalar law of a material; u is what its update_point fills, a its activation
@@ -44,7 +46,9 @@ UpdateStatus update_alone(const Common& c, const Material& material, Point& u, c
   Start start;
   const UpdateStatus found = find_start(state, c.n_state, c.properties, start, text);
   if (found != UpdateStatus::ok) return found;
-  double V[9], stress[9], tangent[81];
+  constexpr int size = myogrowth_block_points;
+  double V[9], column[myogrowth_block_size / size], state_end[n_kept];
+  double *stress = column + myogrowth_row_stress / size, *tangent = column + myogrowth_row_tangent / size;
   const bool local = c.properties.local_basis, turned = local && left_stretch(F_given, V);
   const double* F = turned ? V : F_given;
   if (update_point(material, F, start.n0, start.G, start.lambda, c.dt, u, a...) != UpdateStatus::ok)
@@ -55,9 +59,10 @@ UpdateStatus update_alone(const Common& c, const Material& material, Point& u, c
   const int n = c.measure == 1 ? 9 : 6;
   if (!are_finite(stress, n) || (c.with_tangent && !are_finite(tangent, n * n)))
     return UpdateStatus::not_finite;
-  Result<1> result{stress, tangent, u.psi, {}};
-  state_of(u, result.state);
-  return take(result) ? UpdateStatus::ok : UpdateStatus::not_finite;
+  state_of(u, state_end);
+  for (int e = 0; e < n_kept; ++e) column[row_of_state(e) / size] = state_end[e];
+  column[myogrowth_row_psi / size] = u.psi;
+  return take(Result{column, 1}) ? UpdateStatus::ok : UpdateStatus::not_finite;
 }
 
 /// The fastest that this machine has.
@@ -72,8 +77,8 @@ inline MyogrowthUpdateBlock* update_block() {
 #endif
 }
 
-// Whether packs may do it: they are not made for numbers so large or small that a product of a few is out of
-// range.
+/// Whether packs may do it: they are not made for numbers so large or small that a product of a few is out of
+/// range.
 inline bool is_within(double x, double least, double most) {
   const double size = x < 0 ? -x : x;
   return size >= least && size <= most;
@@ -84,58 +89,44 @@ inline bool packs_can(const FibreGrowth<double>& m, double dt) {
          g.gamma <= 100 && is_within(g.G_max - 1, 1e-10, 1e10) && is_within(g.lambda_crit, 1e-10, 1e10) &&
          is_within(dt, 0, 1e30);
 }
-inline bool packs_can(const double* F, double G_n) {
-  double square = 0;
-  for (int i = 0; i < 9; ++i) square += F[i] * F[i];
-  return is_within(G_n, 1e-10, 1e10) && square <= 1e20;
-}
 
-/// Point k of a block that has been updated.
-inline Result<myogrowth_block_points> result_of(const MyogrowthBlock& block, int k) {
-  constexpr int size = myogrowth_block_points;
-  Result<size> r{block.stress + k, block.tangent + k, block.scalars[k + 4 * size], {block.G_end[k]}};
-  for (int i = 0; i < 4; ++i) r.state[1 + i] = block.scalars[k + size * i];
-  for (int i = 0; i < 3; ++i) r.state[fibre_entry + i] = block.n0[k + size * i];
-  return r;
-}
-
-/// Updates many points: in packs those that packs can take, the others one by one. read(i, F): copies F of
-/// point i and returns its state. take(i, result): as update_alone's. refuse(i, status, text): point i has no
-/// result; the text may be empty.
-template <class Read, class Take, class Refuse>
-void update_many(const Common& c, int n_points, const Read& read, const Take& take, const Refuse& refuse) {
+/// Updates the points [first, last): in packs those that packs can take, the others one by one.
+///
+/// Host has load(i, count, block): says where the block's points, from i on, come from and go to, or fills
+/// their rows; take(i, result): as update_alone's; finish(i): after a result that block.out has got; one(i,
+/// text): updates point i by update_alone; refuse(i, status, text): it has no result, the text may be empty.
+template <class Host>
+void update_many(const Common& c, int first, int last, Host& host) {
   constexpr int size = myogrowth_block_points;
   double props[n_props];
   write(c.properties.material, props);
-  const bool material_can = packs_can(c.properties.material, c.dt) && !c.properties.local_basis;
+  const bool in_packs = packs_can(c.properties.material, c.dt) && !c.properties.local_basis && !c.has_law;
+  MyogrowthUpdateBlock* const update = update_block();
   MyogrowthBlock block;
   block.dt = c.dt;
+  block.stretch_is_checked =
+      c.properties.material.integration == TimeIntegration::midpoint_flow || c.properties.tolerance > 0;
+  block.is_known = block.is_given = false;
+  block.n_in = block.n_out = 0;
+  for (int i = 0; i < 3; ++i) block.fibre[i] = c.properties.n0[i];
   Text text;
-  for (int first = 0, left = n_points; left > 0; first += size, left -= size) {
+  for (int left = last - first; left > 0; first += size, left -= size) {
     const int count = left < size ? left : size;
-    bool done[size] = {};
-    for (int k = 0; k < count && material_can; ++k) {
-      Start start;
-      double F[9], unit[3] = {1, 0, 0};
-      const double* state = read(first + k, F);
-      done[k] = find_start(state, c.n_state, c.properties, start, text) == UpdateStatus::ok &&
-                normalise(start.n0, unit) && packs_can(F, start.G);
-      // Where it is not for packs, an undeformed point stands in its place.
-      for (int i = 0; i < 9; ++i) block.F[k + size * i] = done[k] ? F[i] : i % 4 == 0 ? 1 : 0;
-      for (int i = 0; i < 3; ++i) block.n0[k + size * i] = unit[i];
-      block.G[k] = done[k] ? start.G : 1;
-      block.lambda[k] = done[k] ? start.lambda : 1;
+    if (in_packs) {
+      host.load(first, count, block);
+      update(props, count, c.measure, c.with_tangent, &block);
     }
-    if (material_can) update_block()(props, count, c.measure, c.with_tangent, &block);
     for (int k = 0; k < count; ++k) {
       const int i = first + k;
-      if (done[k] && block.check[k] == 0 && take(i, result_of(block, k))) continue;
-      double F[9];
-      const double* state = read(i, F);
-      PointUpdate<double> u;
-      const UpdateStatus status = update_alone(c, c.properties.material, u, F, state, text,
-                                               [&](const auto& r) { return take(i, r); });
-      if (status != UpdateStatus::ok) refuse(i, status, text);
+      if (block.is_given) {
+        host.finish(i);
+        continue;
+      }
+      if (in_packs && block.number[myogrowth_row_check + k] == 0 &&
+          host.take(i, Result{block.number + k, size}))
+        continue;
+      const UpdateStatus status = host.one(i, text);
+      if (status != UpdateStatus::ok) host.refuse(i, status, text);
     }
     if (left <= size) break;  // `first` must not pass the largest int
   }

@@ -77,32 +77,73 @@ void check_data(const Block& b, const FibreGrowth<double>& material, int k) {
   }
 }
 
-// U of point k as F, column by column, from components 11 22 33 12 23 31.
+// Where U has the components of F, column by column, among its own, 11 22 33 12 23 31.
+constexpr int component_of_U[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
 void read_stretch(const Block& b, const Number* stretch, int k, double F[9]) {
-  const int component[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
-  for (int i = 0; i < 9; ++i) F[i] = stretch[b.at(k, component[i])];
+  for (int i = 0; i < 9; ++i) F[i] = stretch[b.at(k, component_of_U[i])];
 }
 
 // Writes a result; false, and nothing is written, if it is beyond the range of Abaqus's numbers.
-template <class Result>
-bool write(const Block& b, int k, const Result& r) {
+bool write(const Block& b, int k, const abi::Result& r) {
   // Energy is asked for per unit mass, and the density is that of the middle of the step.
-  double U_old[9], sigma[6];
+  double U_old[9];
   read_stretch(b, b.stretch_old, k, U_old);
-  r.template copy<6>(sigma, nullptr);
-  const double J_mid = (determinant(U_old) + r.state[3]) / 2;
-  const Number energy = static_cast<Number>(r.psi / (b.density[k] * J_mid));
+  const double J_mid = (determinant(U_old) + r[abi::row_of_state(3)]) / 2;
+  const Number energy = static_cast<Number>(r[myogrowth_row_psi] / (b.density[k] * J_mid));
   bool finite = is_finite(energy);
-  for (double x : sigma) finite = finite && is_finite(static_cast<Number>(x));
-  for (double x : r.state) finite = finite && is_finite(static_cast<Number>(x));
+  for (int i = 0; i < 6; ++i)
+    finite = finite && is_finite(static_cast<Number>(r[myogrowth_row_stress + i * myogrowth_block_points]));
+  for (int i = 0; i < abi::n_kept; ++i)
+    finite = finite && is_finite(static_cast<Number>(r[abi::row_of_state(i)]));
   if (!finite) return false;
   const int kernel_index[6] = {0, 1, 2, 3, 5, 4};  // the kernel's order is 11 22 33 12 13 23
-  for (int i = 0; i < 6; ++i) b.stress[b.at(k, i)] = static_cast<Number>(sigma[kernel_index[i]]);
+  for (int i = 0; i < 6; ++i)
+    b.stress[b.at(k, i)] =
+        static_cast<Number>(r[myogrowth_row_stress + kernel_index[i] * myogrowth_block_points]);
   for (int i = 0; i < abi::kept_entries(b.nstatev); ++i)
-    b.state[b.at(k, i)] = static_cast<Number>(r.state[i]);
+    b.state[b.at(k, i)] = static_cast<Number>(r[abi::row_of_state(i)]);
   b.energy[k] = energy;
   return true;
 }
+
+// The points, for abi::update_many.
+struct Points {
+  const Block& b;
+  const abi::Common& common;
+  bool& reported;  // one message a call
+
+  double state_old(int k, int entry) const {
+    return entry < b.nstatev ? static_cast<double>(b.state_old[b.at(k, entry)]) : 0;
+  }
+  void load(int i, int count, MyogrowthBlock& block) const {
+    constexpr int size = myogrowth_block_points;
+    const bool has_fibre = abi::keeps_fibre(b.nstatev);
+    for (int k = 0; k < count; ++k) {
+      for (int c = 0; c < 9; ++c)
+        block.number[myogrowth_row_F + c * size + k] = b.stretch[b.at(i + k, component_of_U[c])];
+      for (int c = 0; c < 3; ++c)
+        block.number[myogrowth_row_n0 + c * size + k] =
+            has_fibre ? state_old(i + k, abi::fibre_entry + c) : 0;
+      block.number[myogrowth_row_G + k] = state_old(i + k, 0);
+      block.number[myogrowth_row_lambda + k] = state_old(i + k, abi::stretch_entry);
+    }
+  }
+  bool take(int k, const abi::Result& r) const { return write(b, k, r); }
+  void finish(int) const {}
+  UpdateStatus one(int k, abi::Text& text) const {
+    double U[9], state[abi::n_kept];
+    read_stretch(b, b.stretch, k, U);
+    for (int i = 0; i < abi::n_kept; ++i) state[i] = state_old(k, i);
+    PointUpdate<double> u;
+    return abi::update_alone(common, common.properties.material, u, U, state, text,
+                             [&](const abi::Result& r) { return take(k, r); });
+  }
+  void refuse(int k, UpdateStatus, const abi::Text& fault) const {
+    ::refuse(b, k);
+    if (fault[0] && !reported) report(fault);
+    reported = reported || fault[0];
+  }
+};
 
 void update(const Block& b, bool is_data_check) {
   keep_state(b);
@@ -119,21 +160,9 @@ void update(const Block& b, bool is_data_check) {
     return;
   }
   common.properties.local_basis = false;  // U is in the basis that turns with the material as it is
-  double state[abi::n_kept] = {};
-  bool reported = false;  // one message a call
-  abi::update_many(
-      common, b.size,
-      [&](int k, double(&U)[9]) {
-        read_stretch(b, b.stretch, k, U);
-        for (int i = 0; i < abi::n_kept && i < b.nstatev; ++i) state[i] = b.state_old[b.at(k, i)];
-        return state;
-      },
-      [&](int k, const auto& r) { return write(b, k, r); },
-      [&](int k, UpdateStatus, const abi::Text& fault) {
-        refuse(b, k);
-        if (fault[0] && !reported) report(fault);
-        reported = reported || fault[0];
-      });
+  bool reported = false;
+  Points points{b, common, reported};
+  abi::update_many(common, 0, b.size, points);
 }
 
 }  // namespace

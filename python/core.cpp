@@ -1,11 +1,15 @@
-// What of the law Python calls: the C API over arrays, a history of its uniaxial strip, its table of
-// parameters. Arrays come in as myogrowth.h wants them; python/myogrowth/__init__.py is the face.
+// What of the law Python calls: the update of arrays where they lie, a history of the C API's uniaxial strip,
+// its tables of parameters. python/myogrowth/__init__.py is the face, and checks what comes in.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <algorithm>
 #include <climits>
+#include <system_error>
+#include <thread>
+#include <vector>
 
+#include "arrays.hpp"
 #include "myogrowth.h"
 
 namespace py = pybind11;
@@ -13,36 +17,123 @@ namespace py = pybind11;
 namespace {
 
 using Array = py::array_t<double, py::array::c_style>;  // never converted here: what came in is not copied
+using AnyOrder = py::array_t<double>;
+namespace host = myogrowth::abi;  // (abi is the compiler's)
 
 int props_size(const Array& props) { return static_cast<int>(props.size()); }
 
-/// F: n x 9, state: n x n_state. Returns stress, tangent or None, energy, state, status, message.
-py::tuple update(const Array& props, const Array& F, const Array& state, double dt, int measure,
-                 bool with_tangent) {
-  const py::ssize_t n = F.shape(0), n_state = state.shape(1), size = myogrowth_stress_size(measure);
-  if (n > INT_MAX) throw py::value_error("too many points for one call: at most 2147483647");
-  Array stress({n, size}), energy(n), state_out({n, n_state});
-  py::object tangent = py::none();
-  double* tangent_data = nullptr;
-  if (with_tangent) {
-    Array filled({n, size * size});
-    tangent_data = filled.mutable_data();
-    tangent = std::move(filled);
+/// How far an array goes along its axis, in numbers.
+std::ptrdiff_t step(const py::array& a, py::ssize_t axis) {
+  return a.strides(axis) / static_cast<std::ptrdiff_t>(sizeof(double));
+}
+
+/// The points' axes of an array with so many others, as few of them as do.
+std::vector<host::Axis> axes_of_points(const py::array& a, py::ssize_t n_others) {
+  std::vector<host::Axis> axes;
+  for (py::ssize_t i = 0; i < a.ndim() - n_others; ++i) {
+    const host::Axis axis{a.shape(i), step(a, i)};
+    if (axis.size == 1) continue;
+    if (!axes.empty() && axes.back().step == axis.size * axis.step) {
+      axes.back() = {axes.back().size * axis.size, axis.step};
+    } else {
+      axes.push_back(axis);
+    }
   }
-  py::array_t<int> status(n);
-  char message[400] = "";
-  const double *F_data = F.data(), *state_data = state.data(), *props_data = props.data();
-  double *stress_data = stress.mutable_data(), *energy_data = energy.mutable_data(),
-         *out_data = state_out.mutable_data();
-  int* status_data = status.mutable_data();
-  {
-    const py::gil_scoped_release others_may_run;
-    std::copy(state_data, state_data + n * n_state, out_data);  // what a point that fails keeps
-    myogrowth_update_n(static_cast<int>(n), props_data, props_size(props), F_data, state_data, out_data,
-                       static_cast<int>(n_state), dt, measure, stress_data, tangent_data, energy_data,
-                       status_data, message, sizeof message);
+  return axes;
+}
+
+/// An input of points: `axes` must live as long.
+host::Given given(const py::array& a, const std::vector<host::Axis>& axes) {
+  host::Given g;
+  g.data = static_cast<const double*>(a.data());
+  if (axes.size() > 1) g.axis = axes.data(), g.n_axes = static_cast<int>(axes.size());
+  if (axes.size() == 1) g.step = axes[0].step;
+  for (std::ptrdiff_t c = 0; c < 9; ++c) g.component[c] = 0;
+  return g;
+}
+
+/// The rows of a block that NumPy's order of a measure's tensors takes: [i, j] and [i, j, k, l].
+struct NumpyOrder {
+  int stress[9], tangent[81];
+  explicit NumpyOrder(int measure) {
+    static constexpr int six[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    const bool is_first = measure == MYOGROWTH_FIRST_PIOLA;
+    const int n = is_first ? 9 : 6, points = myogrowth_block_points;
+    const auto at = [&](int ij) { return is_first ? ij / 3 + 3 * (ij % 3) : six[ij / 3][ij % 3]; };
+    for (int ij = 0; ij < 9; ++ij) {
+      stress[ij] = myogrowth_row_stress + at(ij) * points;
+      for (int kl = 0; kl < 9; ++kl)
+        tangent[9 * ij + kl] = myogrowth_row_tangent + (at(ij) + n * at(kl)) * points;
+    }
   }
-  return py::make_tuple(stress, tangent, energy, state_out, status, message);
+};
+
+/// F: (..., 3, 3), G and stretch: (...), n0: (..., 3), in any memory order. The others are written to, in C's
+/// order: stress (..., 3, 3), tangent (..., 3, 3, 3, 3) or None, numbers (...): energy and those of the
+/// state. Returns how many points have no result.
+int update(const Array& props, const AnyOrder& F, const AnyOrder& G, const AnyOrder& stretch,
+           const AnyOrder& n0, double dt, int measure, int threads, Array stress, const py::object& tangent,
+           Array energy, Array G_end, Array stretch_end, Array n0_end, Array lambda_e, Array J, Array Je,
+           py::array_t<int, py::array::c_style> status) {
+  if (energy.size() > INT_MAX - myogrowth_block_points)
+    throw py::value_error("too many points for one call: at most 2147483615");
+  const int n = static_cast<int>(energy.size());
+  host::CallOfMany call{};
+  host::Text text;
+  if (host::check_props(props.data(), props_size(props), call, text) != MYOGROWTH_OK)
+    throw py::value_error(text);
+  call.n_state = host::n_kept;
+  call.dt = dt;
+  call.measure = measure;
+  call.with_tangent = !tangent.is_none();
+
+  const auto axes_of_F = axes_of_points(F, 2), axes_of_G = axes_of_points(G, 0),
+             axes_of_stretch = axes_of_points(stretch, 0), axes_of_n0 = axes_of_points(n0, 1);
+  const NumpyOrder order(measure);
+  host::Arrays a;
+  a.F = given(F, axes_of_F);
+  for (py::ssize_t c = 0; c < 9; ++c)
+    a.F.component[c] = c % 3 * step(F, F.ndim() - 2) + c / 3 * step(F, F.ndim() - 1);
+  a.G = given(G, axes_of_G);
+  a.stretch = given(stretch, axes_of_stretch);
+  a.n0 = given(n0, axes_of_n0);
+  for (py::ssize_t c = 0; c < 3; ++c) a.n0.component[c] = c * step(n0, n0.ndim() - 1);
+  a.give(stress.mutable_data(), 9, 9, order.stress);
+  if (call.with_tangent) a.give(py::cast<Array>(tangent).mutable_data(), 81, 81, order.tangent);
+  const auto give_row = [&](Array& to, int row) { a.give(to.mutable_data(), 1, 1, host::rows_from(row)); };
+  give_row(energy, myogrowth_row_psi);
+  Array* const state[] = {&G_end, &lambda_e, &stretch_end, &J, &Je};
+  for (int e = 0; e < 5; ++e) give_row(*state[e], host::row_of_state(e));
+  a.give(n0_end.mutable_data(), 3, 3, host::rows_from(myogrowth_row_n0));
+  a.status = status.mutable_data();
+  a.is_known = true;
+
+  const py::gil_scoped_release others_may_run;
+  // Parts of whole blocks, one a thread; the last is this one's.
+  const int blocks = (n + myogrowth_block_points - 1) / myogrowth_block_points;
+  const int parts = std::max(1, std::min(threads, blocks));
+  std::vector<int> failed(static_cast<std::size_t>(parts), 0);
+  const auto work = [&](int part) {
+    const auto start = [&](int p) {
+      return std::min(n, static_cast<int>(static_cast<long>(blocks) * p / parts) * myogrowth_block_points);
+    };
+    host::Text unused;
+    failed[static_cast<std::size_t>(part)] =
+        host::update_arrays(call, a, start(part), start(part + 1), unused, nullptr);
+  };
+  std::vector<std::thread> others;
+  for (int part = 0; part < parts - 1; ++part) {
+    try {
+      others.emplace_back(work, part);
+    } catch (const std::system_error&) {  // there are no more threads
+      work(part);
+    }
+  }
+  work(parts - 1);
+  for (std::thread& other : others) other.join();
+  int sum = 0;
+  for (int f : failed) sum += f;
+  return sum;
 }
 
 /// A strip pulled along its fibre with free sides: time[n], stretch[n]; the first row is the start, where
@@ -109,7 +200,10 @@ py::list laws() {
 }  // namespace
 
 PYBIND11_MODULE(_core, m) {
-  m.def("update", &update);
+  m.def("update", &update, py::arg().noconvert(), py::arg().noconvert(), py::arg().noconvert(),
+        py::arg().noconvert(), py::arg().noconvert(), py::arg(), py::arg(), py::arg(), py::arg().noconvert(),
+        py::arg(), py::arg().noconvert(), py::arg().noconvert(), py::arg().noconvert(), py::arg().noconvert(),
+        py::arg().noconvert(), py::arg().noconvert(), py::arg().noconvert(), py::arg().noconvert());
   m.def("simulate", &simulate);
   m.def("check", &check);
   m.def("parameters", &parameters);

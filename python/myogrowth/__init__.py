@@ -28,7 +28,7 @@ import enum
 import functools
 import re
 import reprlib
-from typing import Any, Literal, NamedTuple, Optional, Tuple, TypeVar, Union
+from typing import Any, Dict, Literal, Mapping, NamedTuple, Optional, Tuple, TypeVar, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -336,14 +336,6 @@ class Step:
         return np.asarray(self.status != Status.OK)
 
 
-def _full(six: Floats) -> Floats:
-    """The symmetric tensors (..., 3, 3) of six components, 11 22 33 12 13 23."""
-    return six[..., _SIX]
-
-
-_SIX = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
-
-
 def _positive(values: Floats) -> NDArray[np.bool_]:
     return (values > 0) & np.isfinite(values)
 
@@ -367,8 +359,56 @@ def _why(status: int, F: Floats, G: float, stretch: float, n0: Floats) -> str:
     return _by_name(_core.status_text(status))
 
 
+def _overlap(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    try:
+        return np.shares_memory(a, b, max_work=10_000)
+    except Exception:  # NumPy's TooHardError: it could not tell
+        return True
+
+
+def _outputs(out: Any, shapes: Mapping[str, Points], inputs: Mapping[str, Floats]) -> Dict[str, NDArray[Any]]:
+    """The arrays that results are written to: those of `out`, checked, and new ones."""
+    given: Dict[str, Any] = {}
+    if isinstance(out, Step):
+        given = {name: getattr(out.state if name in ("G", "stretch", "n0") else out, name) for name in _OUTPUTS}
+        given = {name: array for name, array in given.items() if array is not None}
+    elif isinstance(out, Mapping):
+        given = dict(out)
+    elif out is not None:
+        raise TypeError(f"out: must be a Step, or a dict of arrays by the names of its numbers, is {_shown(out)}")
+    for name in given:
+        if name not in shapes:
+            raise ValueError(f"out: has {_shown(name)}: must be of {', '.join(shapes)}")
+    arrays = {}
+    for name, shape in shapes.items():
+        dtype = np.dtype(np.intc if name == "status" else np.float64)
+        if name not in given:
+            arrays[name] = np.empty(shape, dtype)
+            continue
+        array = given[name]
+        if type(array) is not np.ndarray:
+            raise ValueError(f"out: {name} must be a NumPy array, is {_shown(array)}")
+        if array.dtype != dtype:
+            raise ValueError(f"out: {name} must have dtype {dtype}, has {array.dtype}")
+        if array.shape != shape:
+            raise ValueError(f"out: {name} must have shape {shape}, has {array.shape}")
+        if not (array.flags.c_contiguous and array.flags.aligned):
+            raise ValueError(f"out: {name} must be C-contiguous and aligned, and is not")
+        if not array.flags.writeable:
+            raise ValueError(f"out: {name} is read-only")
+        for other, values in (*inputs.items(), *arrays.items()):
+            if _overlap(array, values):
+                raise ValueError(f"out: {name} overlaps {other}: must have memory of its own")
+        arrays[name] = array
+    return arrays
+
+
+_OUTPUTS = ("stress", "tangent", "energy", "G", "stretch", "n0", "lambda_e", "J", "Je", "status")
+
+
 def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), *, measure: Measure = "cauchy",
-           tangent: bool = False, raise_on_failure: bool = True, activation: float = 0.0) -> Step:
+           tangent: bool = False, raise_on_failure: bool = True, activation: float = 0.0,
+           out: Union[Step, Mapping[str, NDArray[Any]], None] = None, threads: int = 1) -> Step:
     """One step of length dt [time] to the deformation gradient F (..., 3, 3), F[..., i, J], at its end.
 
     dt <= 0 is an elastic step. state: where the points come from, by default unstretched, G = 1, fibre along x.
@@ -386,6 +426,12 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
 
     MyogrowthError names the first point that has no result. With raise_on_failure=False there is none: `status` and
     `failed` say which points failed; their state is the one that came in and all else of them is NaN.
+
+    Doubles are read where they lie, in any memory order; other numbers are converted first. out: an earlier Step of the
+    same points, measure and tangent, whose arrays are written over and returned; or a dict of arrays by the names of a
+    Step's numbers ("stress", "tangent", "energy", "G", "stretch", "n0", "lambda_e", "J", "Je", "status"), the others are
+    made. They must be C-contiguous and not overlap what comes in. threads: how many work on the points; results are the
+    same bits for any number.
     """
     if not isinstance(muscle, Parameters):
         raise TypeError(f"muscle: must be Parameters, is {_shown(muscle)}")
@@ -394,6 +440,10 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
     if not isinstance(measure, str) or measure not in _MEASURES:
         raise ValueError(f"measure = {_shown(measure)}: must be {' or '.join(map(repr, _MEASURES))}")
     tangent, raise_on_failure = _switch("tangent", tangent), _switch("raise_on_failure", raise_on_failure)
+    if isinstance(threads, (bool, np.bool_)) or not isinstance(threads, (int, np.integer)):
+        raise TypeError(f"threads = {_shown(threads)}: must be a whole number")
+    if not 1 <= threads <= 1024:
+        raise ValueError(f"threads = {_shown(threads)}: must be from 1 to 1024")
     dt = _number("dt", dt)
     if not np.isfinite(dt):
         raise MyogrowthError(Status.NOT_FINITE, None, f"dt = {dt:g}: must be finite")
@@ -403,36 +453,24 @@ def update(muscle: Parameters, F: ArrayLike, dt: float, state: State = State(), 
     points = F.shape[:-2]
     G, stretch = (_over_points(f"state.{name}", getattr(state, name), points) for name in ("G", "stretch"))
     n0 = _over_points("state.n0", state.n0, points, (3,))
-    before = np.zeros((*points, 8))  # STATEV: G, lambda_e, lambda, J, Je, n0
-    # To the C API G = 0 is "not known yet", and so is a stretch that is not allowed: here either is a fault.
-    before[..., 0] = np.where(_positive(G) & _positive(stretch), G, np.nan)
-    before[..., 2], before[..., 5:] = stretch, n0
+    F, G, stretch, n0 = (array if array.flags.aligned else array.copy() for array in (F, G, stretch, n0))
 
-    columns = np.ascontiguousarray(F.swapaxes(-1, -2)).reshape(-1, 9)
-    stress, moduli, energy, after, status, _ = _core.update(
-        muscle._props(activation), columns, before.reshape(-1, 8), dt, _MEASURES[measure], tangent)
-    status, after = status.reshape(points), after.reshape(*points, 8)
-    failed = status != Status.OK
-    if raise_on_failure and failed.any():
-        point = tuple(int(i) for i in np.argwhere(failed)[0])
-        others = np.count_nonzero(failed) - 1
-        more = f" ({others} more of {failed.size} points failed)" if others else ""
+    shapes = {name: points for name in _OUTPUTS}
+    shapes.update(stress=(*points, 3, 3), tangent=(*points, 3, 3, 3, 3), n0=(*points, 3))
+    if not tangent:
+        del shapes["tangent"]
+    to = _outputs(out, shapes, {"F": F, "state.G": G, "state.stretch": stretch, "state.n0": n0})
+    failures = _core.update(
+        muscle._props(activation), F, G, stretch, n0, dt, _MEASURES[measure], int(threads), to["stress"],
+        to.get("tangent"), *(to[name] for name in _OUTPUTS[2:]))
+    if failures and raise_on_failure:
+        status = to["status"]
+        point = tuple(int(i) for i in np.unravel_index(int((status != Status.OK).argmax()), points))
+        more = f" ({failures - 1} more of {status.size} points failed)" if failures > 1 else ""
         raise MyogrowthError(int(status[point]), point, _why(int(status[point]), F[point], G[point], stretch[point],
                                                              n0[point]) + more)
-    after[failed, :5] = np.nan
-    after[failed, 0], after[failed, 2], after[failed, 5:] = G[failed], stretch[failed], n0[failed]
-
-    if measure == "first_piola":
-        stress = stress.reshape(*points, 3, 3).swapaxes(-1, -2)
-        if tangent:
-            moduli = np.moveaxis(moduli.reshape(*points, 3, 3, 3, 3), (-1, -2, -3, -4), (-4, -3, -2, -1))
-    else:
-        stress = _full(stress.reshape(*points, 6))
-        if tangent:
-            moduli = moduli.reshape(*points, 6, 6)[..., _SIX, :][..., _SIX]  # [column, row]
-            moduli = np.moveaxis(moduli, (-4, -3), (-2, -1))
-    return Step(stress, moduli, energy.reshape(points), State(G=after[..., 0], stretch=after[..., 2], n0=after[..., 5:]),
-                after[..., 1], after[..., 3], after[..., 4], status)
+    return Step(to["stress"], to.get("tangent"), to["energy"], State(G=to["G"], stretch=to["stretch"], n0=to["n0"]),
+                to["lambda_e"], to["J"], to["Je"], to["status"])
 
 
 @dataclasses.dataclass(frozen=True)
