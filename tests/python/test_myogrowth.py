@@ -521,3 +521,146 @@ def test_elastic_law_of_4C():
 def test_what_is_wrong_with_an_elastic_law_is_named(wrong, message):
     with pytest.raises((ValueError, TypeError), match=message):
         wrong()
+
+
+# ---- Arrays where they lie: memory orders, out=, threads=
+
+MEASURES = ["cauchy", "first_piola", "second_piola"]
+NAMES = ("stress", "tangent", "energy", "lambda_e", "J", "Je", "status")
+
+
+def numbers(step):
+    """All arrays of a Step by their names."""
+    return {**{name: getattr(step, name) for name in NAMES if getattr(step, name) is not None},
+            **{name: getattr(step.state, name) for name in ("G", "stretch", "n0")}}
+
+
+def same_bits(a, b):
+    a, b = numbers(a), numbers(b)
+    return a.keys() == b.keys() and all(a[name].tobytes() == b[name].tobytes() for name in a)
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+def test_every_memory_order_gives_the_same_bits(measure):
+    F, state = points((5, 41))
+    F[1, 3], state.G[2, 7] = -F[1, 3], np.nan  # two that fail
+    G, n0 = np.asarray(state.G), np.asarray(state.n0)
+    options = dict(measure=measure, tangent=True, raise_on_failure=False)
+    whole = update(MUSCLE, F, 0.1, state, **options)
+    assert whole.failed.sum() == 2
+
+    wide = np.zeros((10, 82, 7, 5))
+    wide[::2, ::2, ::3, ::2] = F
+    unaligned = np.zeros(F.size * 8 + 1, np.int8)[1:].view(float).reshape(F.shape)
+    unaligned[...] = F
+    views = {"Fortran": np.asfortranarray(F), "negative": F[::-1, ::-1, ::-1, ::-1].copy()[::-1, ::-1, ::-1, ::-1],
+             "a part": wide[::2, ::2, ::3, ::2], "columns": F.swapaxes(-1, -2).copy().swapaxes(-1, -2),
+             "components first": np.moveaxis(np.moveaxis(F, (-2, -1), (0, 1)).copy(), (0, 1), (-2, -1)),
+             "points turned": F.swapaxes(0, 1).copy().swapaxes(0, 1), "big endian": F.astype(">f8"), "unaligned": unaligned}
+    for name, view in views.items():
+        assert same_bits(update(MUSCLE, view, 0.1, state, **options), whole), name
+        other = State(G=np.asfortranarray(G), n0=n0[::-1, :, ::-1].copy()[::-1, :, ::-1])
+        assert same_bits(update(MUSCLE, view, 0.1, other, **options), whole), name
+    flat = update(MUSCLE, F.reshape(-1, 3, 3), 0.1, State(G=G.ravel(), n0=n0.reshape(-1, 3)), **options)
+    assert flat.tangent.tobytes() == whole.tangent.tobytes()
+    one = update(MUSCLE, np.broadcast_to(F[0, 0], (2, 3, 3, 3)), 0.1, State(G=G[0, 0], n0=n0[0, 0]), **options)
+    assert one.tangent[1, 2].tobytes() == whole.tangent[0, 0].tobytes()  # steps of zero
+
+
+@pytest.mark.parametrize("muscle", [MUSCLE, Parameters(elastic=myogrowth.law("Blemker")), Parameters(integration="midpoint_flow")])
+@pytest.mark.parametrize("n", [0, 1, 31, 33, 1000])
+def test_threads_give_the_same_bits(muscle, n):
+    F, state = points((n,))
+    F[n // 2:n // 2 + 1] *= -1
+    options = dict(measure="first_piola", tangent=True, raise_on_failure=False)
+    one = update(muscle, F, 0.1, state, **options)
+    assert one.failed.sum() == min(n, 1)
+    for threads in (2, 3, np.int64(8), 1024):
+        assert same_bits(update(muscle, F, 0.1, state, threads=threads, **options), one)
+    if n > 1:
+        with pytest.raises(MyogrowthError, match=f"^point {n // 2}: det F = "):
+            update(muscle, F, 0.1, state, threads=2)
+
+
+@pytest.mark.parametrize("threads, kind", [(0, ValueError), (-1, ValueError), (1025, ValueError), (1.0, TypeError), (True, TypeError),
+                                           ("2", TypeError), (None, TypeError)])
+def test_wrong_threads(threads, kind):
+    with pytest.raises(kind, match=r"^threads = .*: must be"):
+        update(MUSCLE, EYE, 0.1, threads=threads)
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize("shape", [(), (7,), (3, 40)])
+def test_out_is_written_and_returned(measure, shape):
+    F, state = points(shape)
+    fresh = update(MUSCLE, F, 0.1, state, measure=measure, tangent=True)
+    other = update(MUSCLE, 1.01 * F, 0.2, state, measure=measure, tangent=True)
+    again = update(MUSCLE, F, 0.1, state, measure=measure, tangent=True, out=other)
+    assert same_bits(again, fresh)
+    assert all(numbers(again)[name] is numbers(other)[name] for name in numbers(other))
+    given = {"stress": np.full((*shape, 3, 3), np.nan), "G": np.full(shape, np.nan)}
+    some = update(MUSCLE, F, 0.1, state, measure=measure, tangent=True, out=given)
+    assert same_bits(some, fresh) and some.stress is given["stress"] and some.state.G is given["G"]
+    # A history with two Steps in turn.
+    a, b = update(MUSCLE, F, 0.1, state, measure=measure), update(MUSCLE, F, 0.0, state, measure=measure)
+    for _ in range(3):
+        a, b = update(MUSCLE, F, 0.1, a.state, measure=measure, out=b), a
+    plain = state
+    for _ in range(4):
+        step = update(MUSCLE, F, 0.1, plain, measure=measure)
+        plain = step.state
+    assert same_bits(a, step)
+
+
+def read_only(array):
+    array.flags.writeable = False
+    return array
+
+
+@pytest.mark.parametrize("out, message", [
+    (lambda F, state: {"stress": np.empty((6, 3, 3), "f4")}, "^out: stress must have dtype float64, has float32"),
+    (lambda F, state: {"stress": np.empty((6, 3, 3), ">f8")}, "^out: stress must have dtype float64, has >f8"),
+    (lambda F, state: {"status": np.empty(6)}, "^out: status must have dtype int32, has float64"),
+    (lambda F, state: {"stress": np.empty((5, 3, 3))}, r"^out: stress must have shape \(6, 3, 3\), has \(5, 3, 3\)"),
+    (lambda F, state: {"tangent": np.empty((6, 6, 6))}, r"^out: tangent must have shape \(6, 3, 3, 3, 3\), has \(6, 6, 6\)"),
+    (lambda F, state: {"G": np.empty((6, 1))}, r"^out: G must have shape \(6,\), has \(6, 1\)"),
+    (lambda F, state: {"stress": np.empty((12, 3, 3))[::2]}, "^out: stress must be C-contiguous and aligned"),
+    (lambda F, state: {"stress": np.empty((6, 3, 3), order="F")}, "^out: stress must be C-contiguous and aligned"),
+    (lambda F, state: {"energy": np.zeros(49, np.int8)[1:].view(float)}, "^out: energy must be C-contiguous and aligned"),
+    (lambda F, state: {"stress": read_only(np.empty((6, 3, 3)))}, "^out: stress is read-only"),
+    (lambda F, state: {"stress": np.broadcast_to(np.zeros((3, 3)), (6, 3, 3))}, "^out: stress must be C-contiguous"),
+    (lambda F, state: {"stress": F}, "^out: stress overlaps F: must have memory of its own"),
+    (lambda F, state: {"n0": state.n0}, "^out: n0 overlaps state.n0"),
+    (lambda F, state: {"G": state.G}, "^out: G overlaps state.G"),
+    (lambda F, state: {"J": state.G[::-1][::-1]}, "^out: J overlaps state.G"),
+    (lambda F, state: dict.fromkeys(("J", "Je"), np.empty(6)), "^out: Je overlaps J"),
+    (lambda F, state: {"stress": [0.0]}, r"^out: stress must be a NumPy array, is \[0.0\]"),
+    (lambda F, state: {"stress": np.ma.zeros((6, 3, 3))}, "^out: stress must be a NumPy array"),
+    (lambda F, state: {"sigma": np.empty((6, 3, 3))}, "^out: has 'sigma': must be of stress, tangent, energy, G"),
+    (lambda F, state: update(MUSCLE, F[:5], 0.1), r"^out: stress must have shape \(6, 3, 3\), has \(5, 3, 3\)"),
+])
+def test_wrong_out(out, message):
+    F, state = points((6,))
+    with pytest.raises(ValueError, match=message):
+        update(MUSCLE, F, 0.1, state, tangent=True, out=out(F, state))
+    step = update(MUSCLE, F, 0.1, state, tangent=True)
+    with pytest.raises(ValueError, match="^out: stress overlaps F|^out: G overlaps state.G"):  # its own state
+        update(MUSCLE, step.stress, 0.1, step.state, tangent=True, out=step)
+    with pytest.raises(ValueError, match="^out: has 'tangent': must be of stress, energy"):
+        update(MUSCLE, F, 0.1, state, out=step)
+    with pytest.raises(TypeError, match="^out: must be a Step, or a dict"):
+        update(MUSCLE, F, 0.1, state, out=np.empty((6, 3, 3)))
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+def test_nothing_of_the_size_of_the_data_is_made_on_the_way(measure):
+    """With out= the memory does not grow: whatever the layout of doubles, and by threads."""
+    import tracemalloc
+    F, state = points((20_000,))
+    for view in (F, np.asfortranarray(F), F[::-1]):
+        step = update(MUSCLE, view, 0.1, state, measure=measure, tangent=True)
+        tracemalloc.start()
+        update(MUSCLE, view, 0.1, state, measure=measure, tangent=True, out=step, threads=2)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 50_000, peak  # F has 1.4 MB
