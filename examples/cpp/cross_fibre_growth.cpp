@@ -1,38 +1,11 @@
-// A user-defined growth law: hypertrophy. A muscle that is loaded for weeks adds sarcomeres in parallel, and
-// becomes thicker until the tension on each sarcomere is back at its old value. Prints six weeks of growth,
-// and compares the tangent with differences.
+// Hypertrophy, the library's CrossFibreGrowth: a muscle that is loaded for weeks adds sarcomeres in parallel,
+// and becomes thicker until the tension on each sarcomere is back at its old value. Prints six weeks of
+// growth, and compares the tangent with differences. A growth law of your own is a struct like this one.
 #include <cmath>
 #include <cstdio>
-#include <myogrowth/growth_rate.hpp>
-#include <myogrowth/more/growth_law.hpp>
+#include <myogrowth/more/cross_fibre_growth.hpp>
 
 using namespace myogrowth;
-
-// The growth variable g is the relative cross-section, 1 at start.
-struct CrossFibreGrowth {
-  NeoHookean<> muscle;                   // what the tension comes from
-  GrowthRate<> capacity{60, 2, 1.5, 0};  // tau [days], gamma, largest cross-section: k_g of eq. 4
-  double tension_crit = 0.5;             // tension above which sarcomeres are added [kPa]
-
-  double limit() const { return capacity.G_max; }
-
-  // F_g = sqrt(g) (I - n0⊗n0) + n0⊗n0: only across the fibre, det F_g = g.
-  template <class T>
-  Mat3<T> growth_tensor(const T& g, const Vec3<T>& n0) const {
-    const T thicker = sqrt(g);
-    return thicker * Mat3<T>::Identity() + (T(1) - thicker) * n0 * n0.transpose();
-  }
-
-  // dg/dt = k_g(g) <tension/tension_crit - 1>, where the tension is the fibre's part of the Kirchhoff stress.
-  template <class T>
-  T rate(const T& g, const Mat3<T>& Fe, const Vec3<T>& n0) const {
-    const Mat3<T> tau = muscle.kirchhoff(left_cauchy_green(Fe));
-    const Vec3<T> n = Fe * n0 / fibre_stretch(Fe, n0);
-    const T tension = contraction<T>(tau, n * n.transpose());
-    if (!(value(tension) > tension_crit)) return T(0);
-    return capacity.adaptation(g) * (tension / tension_crit - 1.);
-  }
-};
 
 int main() {
   const CrossFibreGrowth law;

@@ -502,7 +502,9 @@ MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<P, sign>& b, const T& G_n,
   using V = Real<T>;
   const SolvedStep<V> values = backward_euler(Branch<V, sign>(b), true, value(G_n), value(lambda), value(dt));
   if (!is_finite(values.G)) return {T(values.G), T(values.G), 0};
-  if (!b.precedes(values.G, V(value(b.limit)))) return {T(b.limit), T(V(0)), values.iterations};
+  // (x may be 0 where G is not yet the limit to its last digit: 0^gamma has no derivative.)
+  if (!b.precedes(values.G, V(value(b.limit))) || !(values.x > 0))
+    return {T(b.limit) + T(values.G - value(b.limit)), T(V(0)), values.iterations};
   const StepEquation<T> eq = equation_of(b, b.ahead(T(b.limit), G_n), G_n, lambda, dt);
   const T x(values.x), y(values.y);
   StepSides<T> s = sides(b, eq, x, y, b.on(eq.alpha, y), T(eq.Q - T(b.crit) * y));

@@ -58,8 +58,8 @@ class Quoted(unittest.TestCase):
     def test_the_laws_of_contributing_are_the_examples(self):
         page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
         laws = re.findall(r"^```cpp\n(struct .*?^};)$", page, re.M | re.S)
-        for law, name in zip(laws, ("cross_fibre_growth.cpp", "elastic_law.cpp"), strict=True):
-            example = (ROOT / "examples/cpp" / name).read_text(encoding="utf-8")
+        for law, name in zip(laws, ("include/myogrowth/more/cross_fibre_growth.hpp", "examples/cpp/elastic_law.cpp"), strict=True):
+            example = (ROOT / name).read_text(encoding="utf-8")
             lines = [line.split("//")[0].strip().rstrip(";") for line in law.splitlines()]
             self.assertGreater(len([line for line in lines if line]), 8)
             for line in lines:

@@ -162,6 +162,32 @@ TEST(GrowthSolve, DerivativesWithRespectToEverything) {
   }
 }
 
+TEST(GrowthSolve, DerivativesWhereTheLimitIsReachedToRounding) {
+  // Here G is a few last places above G_min, and (G - G_min)/r is 0: 0^gamma_rev has no derivative.
+  const double G_min[] = {0.64538092795390034, 0.23418644284554674, 0.76624236682727642};
+  const double crit[] = {0.90172602081386588, 0.93801245847287118, 0.94930322462803651};
+  const double G_n[] = {0.6453809279544328, 0.23418644284554732, 0.76624236682727742};
+  for (int i = 0; i < 3; ++i) {
+    for (double gamma_rev : {0.0, 1e-20, 0.5}) {
+      for (int which = 0; which < 6; ++which) {
+        const double h = 1e-30;
+        const auto seeded = [&](double x, int k) { return Complex(x, k == which ? h : 0); };
+        const GrowthRate<Complex> growth{0.5, 2, 1.5, 1.01};
+        const RemovalRate<Complex> removal{seeded(0.02, 0), seeded(gamma_rev, 1), seeded(G_min[i], 2),
+                                           seeded(crit[i], 3)};
+        const auto step =
+            solve_growth(growth, removal, seeded(G_n[i], 4), seeded(G_min[i] * crit[i], 5), Complex(200));
+        EXPECT_TRUE(std::isfinite(step.G.real()) && std::isfinite(step.G.imag())) << i << " " << which;
+        EXPECT_TRUE(std::isfinite(step.dG_dlambda.real())) << i << " " << which;
+        const auto number =
+            solve_growth(GrowthRate<>{0.5, 2, 1.5, 1.01}, RemovalRate<>{0.02, gamma_rev, G_min[i], crit[i]},
+                         G_n[i], G_min[i] * crit[i], 200.0);
+        EXPECT_EQ(step.G.real(), number.G);
+      }
+    }
+  }
+}
+
 TEST(GrowthSolve, NoGammaTakesMoreThanABoundedNumberOfIterations) {
   samples::Random r(12);
   for (double gamma : {50.0, 100.0, 1e3, 1e6, 1e9, 1e15, 1e300}) {

@@ -66,7 +66,7 @@ Mat3<T> law_stress(const Law& law, const NeoHookean<>& elasticity, const Mat3<T>
 
 /// One step of length dt [time] to F (3x3) from g_n, with the unit fibre n0. dt <= 0 is an elastic step.
 ///
-/// Law: as above; where it grows, its rate at fixed F falls with g and is nil or positive at limit(). Then
+/// Law: as above; where it grows, its rate at fixed F falls with g and is zero or positive at limit(). Then
 /// the step has one root in [g_n, limit()], and Newton's method, kept in that bracket, cannot miss it.
 template <class Law>
 LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<double>& F,
@@ -102,7 +102,8 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
         const ComplexNumber R = residual(g);
         (R.real() < 0 ? low : high) = g;
         double next = g - R.real() * h / R.imag();
-        if (!(low <= next && next <= high)) next = (low + high) / 2;
+        // (Not back to an end: where rounding decides, both would take turns.)
+        if (!(next == g || (low < next && next < high))) next = (low + high) / 2;
         step = next - g;
         g = next;
       }
