@@ -240,8 +240,8 @@ class Deck:
         name = card.parameters.get("NSET", "").upper()
         for place, text in card.data:
             fields = self.fields(text)
-            if len(fields) < 4:
-                self.fail(place, f"{files.shown(text)}: expected a node: label, x, y, z")
+            if len(fields) not in (4, 7):  # else, perhaps, decimal commas
+                self.fail(place, f"{files.shown(text)}: expected a node: label, x, y, z, and a normal or nothing")
             label = self.whole(place, fields[0], "a node's label")
             new = (*(self.number(place, f, "a coordinate of node " + fields[0]) for f in fields[1:4]), place)
             old = self.scope.nodes.get(label)

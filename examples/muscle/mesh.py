@@ -137,13 +137,15 @@ class Mesh:
 
 # ---- Checks
 
+FARTHEST = 1e9  # mm, of a node
+
 def check_cells(mesh):
     """Refuses numbers that are not finite, nodes that are twice in a cell, and flat cells; turns cells whose nodes are only
     in another order. Returns the (cells,) that were turned."""
     raw, turned = mesh.raw, np.zeros(len(mesh.cell_labels), dtype=bool)
-    wrong = np.flatnonzero(~np.isfinite(mesh.X).all(axis=1))
+    wrong = np.flatnonzero(~(np.abs(mesh.X) <= FARTHEST).all(axis=1))
     if len(wrong):
-        fail(raw.node(wrong[0]), f"coordinates {raw.nodes[wrong[0]]}: expected finite numbers")
+        fail(raw.node(wrong[0]), f"coordinates {raw.nodes[wrong[0]]}: expected finite numbers, at most {FARTHEST:g} mm")
     flat, folded, curved = [], [], []
     for kind, cells in mesh.kinds.items():
         nodes = mesh.nodes_of[kind]

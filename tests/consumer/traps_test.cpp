@@ -208,6 +208,45 @@ TEST(Traps, Umat) {
   });
 }
 
+// The same material with another elasticity, PROPS(19:31), passive or active; law 0 one time in four.
+std::vector<double> with_elastic_law(samples::Random& r, std::vector<double> props) {
+  const int law = static_cast<int>(r.bits() % 4);
+  if (law == 0) return props;
+  props[0] = props[1] = 0;
+  props.resize(18);
+  props.push_back(law);
+  props.push_back(r.chance(0.3) ? 0 : r.uniform(0, 1));
+  if (law == 2 && r.chance(0.3)) {  // its tendon
+    for (double x : {0.5, 0.5, 1000.0, 300.0, 1.4, 0.05, 6.6, 1.03, 1.0, 2700.0, 46.4}) props.push_back(x);
+  }
+  return props;
+}
+
+TEST(Traps, ElasticLaws) {
+  expect_no_flags(20000, [](samples::Random& r, const auto& guarded) {
+    Case c = ordinary(r);
+    c.F =
+        samples::deformation(r, 0.15);  // Ehret's exponents of 20 and 100 go beyond the range where G_max = 3
+    const std::vector<double> props = with_elastic_law(r, c.props);
+    const int n_props = static_cast<int>(props.size()), measure = static_cast<int>(r.bits() % 3);
+    double state[9] = {c.G, 0, c.lambda}, after[9], stress[9], tangent[81], energy;
+    host::Call call;
+    call.props = props;
+    call.F = c.F;
+    call.dtime = c.dt;
+    call.statev[0] = c.G, call.statev[2] = c.lambda;
+    const int families[] = {6, 6, 4, 3};
+    call.ntens = r.pick(families);
+    if (call.ntens == 4) call.F(0, 2) = call.F(1, 2) = call.F(2, 0) = call.F(2, 1) = 0;
+    guarded(props, [&] {
+      EXPECT_EQ(myogrowth_update(props.data(), n_props, c.F.data(), state, after, 9, c.dt, measure, stress,
+                                 tangent, &energy, nullptr, 0),
+                0);
+      call.run();
+    });
+  });
+}
+
 TEST(Traps, Vumat) {
   expect_no_flags(2000, [](samples::Random& r, const auto& guarded) {
     constexpr int n = 37;

@@ -311,6 +311,8 @@ class Faults(Case):
     def test_numbers_and_labels(self):
         self.spoil("3, 1.0, 1.0, 0.0", "3, 1.0, x, 0.0", "m.inp:6:", "node 3", "'x'")
         self.spoil("3, 1.0, 1.0, 0.0", "3, 1.0, nan, 0.0", ":6:", "finite")
+        self.spoil("3, 1.0, 1.0, 0.0", "3, 1,0, 1.0, 0.0", ":6:", "expected a node: label, x, y, z")  # a decimal comma
+        self.spoil("3, 1.0, 1.0, 0.0", "3, 1.0, 1e200, 0.0", ":6:", "at most 1e+09 mm")
         self.spoil("3, 1.0, 1.0, 0.0", "3, 1.0, 1.0", ":6:", "x, y, z")
         self.spoil("3, 1.0, 1.0, 0.0", "2, 1.0, 1.0, 0.0", ":6:", "node 2", ":5")
         self.spoil("\n3, 1, 4, 8, 7", "\n3, 1, 4, 8, 99", ":27:", "element 3", "node 99")
