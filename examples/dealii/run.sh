@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154,SC2034,SC2164 # variables of ./run, and for it
 # ./run mpi and ./run mpi-bench, sourced by ./run: their arguments, the build where deal.II can be had, the start.
 
-ranks=2 mesh="" prm="" arguments=()
+ranks=2 mesh="" prm="" given="" arguments=()
 
 mpi_arguments() {
   if [ "$job" = mpi-bench ]; then
@@ -11,7 +11,9 @@ mpi_arguments() {
   while [ $# -gt 0 ]; do
     case "$1" in
       --ranks | --prm | --mesh)
-        [ $# -gt 1 ] || usage "$1 needs a value"
+        [ -n "${2:-}" ] || usage "$1 needs a value"
+        [[ " $given " != *" $1 "* ]] || usage "$1 is given twice"
+        given+=" $1"
         declare -g "${1#--}=$2"
         shift
         ;;
@@ -57,5 +59,7 @@ mpi_run() {
     arguments=("${out[@]}" "${arguments[@]}")
   fi
   cd "$here"
+  # mpirun ends with 0 where it cannot hand on what is printed.
+  [ "$prm" = --help ] || echo "mpirun -n $ranks muscle $prm ${arguments[*]}" || fail "standard output cannot be written"
   exec mpirun -n "$ranks" "$top/build/examples/dealii/muscle" "$prm" "${arguments[@]}"
 }

@@ -143,6 +143,8 @@ class Help(Run):
         self.refuses("expected cube or cylinder, found 'ball'", "fenicsx", "ball")
         for option in ("--ranks", "--prm", "--mesh"):
             self.refuses(f"{option} needs a value", "mpi", option)
+            self.refuses(f"{option} needs a value", "mpi", option, "")
+            self.refuses(f"{option} is given twice", "mpi", option, "2", option, "2")
         self.refuses("no option 'x'", "mpi", "x")
         for arguments in (["--ranks", "2"], ["PART=all"], ["PART=loops", "PART=weak"]):
             self.refuses("expected PART= and some of loops,krylov,ranks,weak, found '" + " ".join(arguments), "mpi-bench", *arguments)
@@ -344,8 +346,9 @@ class Names(Run):
         t, here = self.tree, self.here
         muscle = f"{t}/build/examples/dealii/muscle"
         status, out, err = self.run_job("mpi", "--prm", "my.prm", "Output/Folder=mine", cwd=here)
-        self.assertEqual((status, out), (0, f"mpirun in {here}: -n 2 {muscle} my.prm Output/Folder=mine\n"), err)
-        self.assertEqual(self.run_job("mpi", "Time/End=1", cwd=here)[1],
+        self.assertEqual((status, out), (0, "mpirun -n 2 muscle my.prm Output/Folder=mine\n"
+                                            f"mpirun in {here}: -n 2 {muscle} my.prm Output/Folder=mine\n"), err)
+        self.assertEqual(self.run_job("mpi", "Time/End=1", cwd=here)[1].splitlines(keepends=True)[1],
                          f"mpirun in {here}: -n 2 {muscle} {t}/examples/dealii/biceps.prm Output/Folder={t}/out/mpi Time/End=1\n")
         self.assertEqual(self.run_job("mpi", "--entries", cwd=here)[1], f"mpirun in {here}: -n 1 {muscle} --help\n")
 
