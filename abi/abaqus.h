@@ -31,10 +31,18 @@
 #define MYOGROWTH_IF_THERE __attribute__((weak))
 #endif
 
+// The address of a utility, null where there is none. A DLL of Windows finds nothing in the program that
+// loads it: there only what is linked with the utilities has them, and says so by this macro.
+#if defined(_WIN32) && !defined(MYOGROWTH_INSIDE_ABAQUS) && !defined(MYOGROWTH_LINKED_WITH_UTILITIES)
+#define MYOGROWTH_UTILITY(lower, UPPER) nullptr
+#else
+#define MYOGROWTH_UTILITY(lower, UPPER) MYOGROWTH_FORTRAN(lower, UPPER)
+#endif
+
 // MYOGROWTH_SECOND_NAME(type, name, routine): the routine under another name as well.
 #define MYOGROWTH_TEXT_OF(x) #x
 #define MYOGROWTH_TEXT(x) MYOGROWTH_TEXT_OF(x)
-#if defined(_WIN32)
+#if defined(_MSC_VER) && !defined(__clang__)
 #define MYOGROWTH_SECOND_NAME(type, name, routine) \
   __pragma(comment(linker, "/alternatename:" MYOGROWTH_TEXT(name) "=" MYOGROWTH_TEXT(routine))) type name
 #elif defined(__APPLE__)  // whose compilers have no alias (not tried by us)

@@ -150,7 +150,7 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
   if (find_fault(*ntens, *ndi, *nshr, *nstatv, statev, properties, start, text, find_props_fault)) {
     if (abi::asks_for_law(props, *nprops) && update_with_law(call(), text)) return;
     fail(call(), nullptr, text);
-    abi::report("UMAT", text, MYOGROWTH_FORTRAN(stdb_abqerr, STDB_ABQERR), MYOGROWTH_FORTRAN(xit, XIT));
+    abi::report("UMAT", text, MYOGROWTH_UTILITY(stdb_abqerr, STDB_ABQERR), MYOGROWTH_UTILITY(xit, XIT));
     return;
   }
   update<PointUpdate<double>>(call, properties, start, properties.material);

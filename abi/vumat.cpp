@@ -39,8 +39,8 @@ struct Block {
 };
 
 void report(const char* text) {
-  abi::report("VUMAT", text, MYOGROWTH_FORTRAN(xplb_abqerr, XPLB_ABQERR),
-              MYOGROWTH_FORTRAN(xplb_exit, XPLB_EXIT));
+  abi::report("VUMAT", text, MYOGROWTH_UTILITY(xplb_abqerr, XPLB_ABQERR),
+              MYOGROWTH_UTILITY(xplb_exit, XPLB_EXIT));
 }
 
 bool find_fault(const Block& b, abi::Properties& properties, abi::Text& text) {

@@ -14,9 +14,20 @@ install(TARGETS myogrowth EXPORT myogrowth-headers)
 install(EXPORT myogrowth-headers NAMESPACE myogrowth:: DESTINATION ${cmake_dir} COMPONENT headers)
 
 if(MYOGROWTH_BUILD_UMAT)
-  install(TARGETS myogrowth_umat myogrowth_vumat myogrowth_vumat_float myogrowth_c myogrowth_ccx myogrowth_mgis
-                  myogrowth_probe
-          EXPORT myogrowth-umat LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT umat NAMELINK_COMPONENT umat)
+  set(ccx)
+  if(TARGET myogrowth_ccx)
+    set(ccx myogrowth_ccx)
+  endif()
+  install(TARGETS myogrowth_umat myogrowth_vumat myogrowth_vumat_float myogrowth_c ${ccx} myogrowth_mgis myogrowth_probe
+          EXPORT myogrowth-umat LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT umat NAMELINK_COMPONENT umat
+          RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT umat
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT umat)
+  if(WIN32) # under the names that Abaqus on Windows looks for in usub_lib_dir
+    foreach(names umat=standardU vumat=explicitU-D vumat_float=explicitU)
+      string(REGEX MATCH "(.*)=(.*)" _ ${names})
+      install(FILES $<TARGET_FILE:myogrowth_${CMAKE_MATCH_1}> DESTINATION abaqus RENAME ${CMAKE_MATCH_2}.dll COMPONENT umat)
+    endforeach()
+  endif()
   install(EXPORT myogrowth-umat NAMESPACE myogrowth:: DESTINATION ${cmake_dir} COMPONENT umat)
   install(FILES ${PROJECT_SOURCE_DIR}/abi/myogrowth.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT umat)
   if(MYOGROWTH_UMAT_SINGLE)
@@ -60,6 +71,9 @@ if(MYOGROWTH_BUILD_UMAT)
 endif()
 
 set(CPACK_GENERATOR DEB TGZ)
+if(WIN32)
+  set(CPACK_GENERATOR ZIP)
+endif()
 set(CPACK_PACKAGE_NAME myogrowth)
 set(CPACK_PACKAGE_VENDOR "the myogrowth authors")
 set(CPACK_PACKAGE_CONTACT "the myogrowth authors")

@@ -156,6 +156,7 @@ check_cache() {  # PRESET
   done
   name=g++
   [ "$1" != clang ] || name=clang++
+  [ "$1" != windows ] || name=x86_64-w64-mingw32-g++-posix
   value=$(cached CMAKE_CXX_COMPILER)
   [ -z "$value" ] || [ "$(command -v "$value")" -ef "$(command -v "$name")" ] ||
     fail "$dir/ was made with the compiler $value, but $name is now $(command -v "$name"): remove $dir/"

@@ -86,7 +86,8 @@ def make(root):
     shutil.rmtree(out, ignore_errors=True)
     environment = {**os.environ, "SOURCE_DATE_EPOCH": git(root, "log", "-1", "--format=%ct")}
     subprocess.run([root / "run", "package"], check=True, env=environment, stdout=subprocess.DEVNULL)
-    files = [*sorted((root / "out/package").glob("*.deb")), *sorted((root / "out/package").glob("*.tar.gz")),
+    files = [*sorted((root / "out/package").glob("*.deb")), *sorted((root / "out/package").glob("*.zip")),
+             *sorted((root / "out/package").glob("*.tar.gz")),
              root / "build/abi/myogrowth_umat_single.cpp"]
     for ending in (".deb", ".tar.gz"):
         found = [f.name for f in files if f.name.endswith(ending)]

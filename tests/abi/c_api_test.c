@@ -91,7 +91,7 @@ static void test_tables(void) {
     CHECK(strlen(myogrowth_prop_unit(i)) > 0);
     CHECK(strlen(myogrowth_prop_meaning(i)) > 0);
     CHECK(strlen(myogrowth_prop_allowed(i)) > 0);
-    CHECK(isnan(myogrowth_prop_default(i)) == (i < myogrowth_n_props_required()));
+    CHECK((isnan(myogrowth_prop_default(i)) != 0) == (i < myogrowth_n_props_required()));
     CHECK(myogrowth_prop_index(myogrowth_prop_symbol(i)) == i);
   }
   CHECK_TEXT(myogrowth_prop_symbol(4), "G_max");
