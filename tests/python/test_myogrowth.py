@@ -221,13 +221,14 @@ def test_points_that_fail():
     (lambda: update(MUSCLE, np.eye(3), 0.1, measure="kirchhoff"), "measure = 'kirchhoff': must be 'cauchy' or"),
     (lambda: update(MUSCLE, np.eye(3)[None], 0.1, State(G=[1, 1])), r"state.G has shape \(2,\): must broadcast"),
     (lambda: simulate(MUSCLE, [0, 1, 1], 1.1), "time: must be finite and increase"),
+    (lambda: simulate(MUSCLE, [-1e308, 1e308], 1.1), r"point 1: stretch = 1.1 at time 1e\+308: a result is beyond the range"),
     (lambda: simulate(MUSCLE, [], 1.1), "time has shape"),
     (lambda: simulate(MUSCLE, [0, 1], [1, 1, 1]), "stretch has shape"),
     (lambda: simulate(MUSCLE, [0, 1], [1, -1]), "point 1: stretch = -1: must be finite and > 0"),
     (lambda: simulate(MUSCLE, [0, 1], 1.1, G=0), "G = 0: must be > 0"),
 ])
 def test_bad_arguments(call, message):
-    with pytest.raises(ValueError, match=message):
+    with np.errstate(all="raise"), pytest.raises(ValueError, match=message):
         call()
 
 
