@@ -64,7 +64,7 @@ def git(root, *arguments):
     p = subprocess.run(["git", "-C", root, *arguments], capture_output=True, text=True, check=False)
     if p.returncode:
         sys.exit(f"./run release: git {' '.join(arguments)}: {p.stderr.strip()}")
-    return p.stdout.strip()
+    return p.stdout.rstrip()  # the first line of a status may begin with a blank
 
 
 def tree_faults(root):

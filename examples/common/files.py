@@ -25,6 +25,7 @@ import tempfile
 
 FULL = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT, errno.EIO)
 TRIAL = 65536  # bytes, written on trial where results are to go
+MOST_OF_DEVICE = 2**28  # bytes
 
 
 class FileError(ValueError):
@@ -221,14 +222,20 @@ def locks():
 # ---- Reading
 
 def read_bytes(path, offset=0):
-    """A file from `offset` on, whole; an OSError has its name."""
+    """A file from `offset` on, whole; an OSError has its name. Of a device or a pipe, which may have no end, at most
+    MOST_OF_DEVICE."""
     try:
         with open(path, "rb") as f:
-            f.seek(offset)
-            return f.read()
+            if stat.S_ISREG(os.fstat(f.fileno()).st_mode):
+                f.seek(offset)
+                return f.read()
+            data = f.read(MOST_OF_DEVICE + 1)[offset:]
     except OSError as e:
         e.filename = e.filename or os.fspath(path)
         raise
+    if len(data) > MOST_OF_DEVICE:
+        raise FileError(f"{path}: is no file, and larger than {MOST_OF_DEVICE >> 20} MiB")
+    return data
 
 
 def read_text(path):

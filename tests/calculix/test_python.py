@@ -123,6 +123,11 @@ class Files(Folder):
         self.assertTrue(link.is_symlink() and self.path.read_text() == "by the link\n")
         self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["link", "table.csv"])
 
+    def test_a_device_without_an_end(self):
+        self.addCleanup(setattr, files, "MOST_OF_DEVICE", files.MOST_OF_DEVICE)
+        files.MOST_OF_DEVICE = 2**20
+        self.fails("/dev/zero: is no file, and larger than 1 MiB", files.read_text, "/dev/zero")
+
     def test_what_cannot_be_written(self):
         self.path.write_text("old")
         full = pathlib.Path("/dev/full")

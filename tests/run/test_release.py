@@ -149,6 +149,10 @@ class Release(unittest.TestCase):
     def test_a_tree_with_changes(self):
         (self.tree / "new.txt").write_text("")
         self.refuses("1 files that are not committed: new.txt")
+        (self.tree / "new.txt").unlink()
+        with open(self.tree / "CHANGELOG.md", "a") as f:
+            f.write("\n")
+        self.refuses("1 files that are not committed: CHANGELOG.md")
 
     def test_tags(self):
         self.git("tag", "v1.2.3")
