@@ -2,7 +2,7 @@
 module input
   use, intrinsic :: iso_fortran_env, only: dp => real64
   use namelist_file, only: group, read_groups, most_values
-  use text, only: lower, str
+  use text, only: exact, lower, str
   implicit none
   private
   public :: settings, face_control, read_input, default_run, most_time, name_length
@@ -247,8 +247,8 @@ contains
                  ' numbers, value has '//str(size(c%value))//'; they must be as many')
     do i = 1, size(c%time)
       call require(g, abs(c%time(i)) <= most_time, 'time', 'every time must be -1e12 to 1e12')
-      if (i > 1) call require(g, c%time(i) > c%time(i - 1), 'time', 'must increase, but '//str(c%time(i - 1))// &
-                              ' is followed by '//str(c%time(i)))
+      if (i > 1) call require(g, c%time(i) > c%time(i - 1), 'time', 'must increase, but '//exact(c%time(i - 1))// &
+                              ' is followed by '//exact(c%time(i)))
     end do
     s%faces = [s%faces, c]
   end subroutine read_face

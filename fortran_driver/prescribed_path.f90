@@ -7,7 +7,7 @@ module prescribed_path
   use material_point, only: material, point, increment, new_point, update, external_call, determinant, identity, &
                             increment_begins, increment_ends
   use output, only: report
-  use text, only: read_number, str, visible, stop_run, status_input, status_run
+  use text, only: exact, read_number, str, visible, stop_run, status_input, status_run
   implicit none
   private
   public :: path, read_path, run_path
@@ -58,8 +58,8 @@ contains
       call read_row(file, line, p%value(:, rows))
       if (rows > 1) then
         if (.not. p%value(1, rows) > p%value(1, rows - 1)) then
-          call file%stop_at('time = '//str(p%value(1, rows))//': must be greater than that of the row before, '// &
-                            str(p%value(1, rows - 1)))
+          call file%stop_at('time = '//exact(p%value(1, rows))//': must be greater than that of the row before, '// &
+                            exact(p%value(1, rows - 1)))
         end if
       end if
     end do

@@ -5,7 +5,7 @@ module text
   use run_end, only: end_run
   implicit none
   private
-  public :: lower, str, visible, escaped, read_number, note, stop_run, status_input, status_run, status_output
+  public :: lower, str, exact, visible, escaped, read_number, note, stop_run, status_input, status_run, status_output
 
   integer, parameter :: status_input = 1   ! exit status: something in the input is wrong
   integer, parameter :: status_run = 2     ! exit status: the input is right, the run could not be finished
@@ -61,6 +61,21 @@ contains
       text = 'NaN'
     end if
   end function str_real
+
+  ! All digits where six are not enough, for numbers that are compared.
+  function exact(x) result(text)
+    real(dp), intent(in) :: x
+    character(len=:), allocatable :: text
+    character(len=24) :: buffer
+    real(dp) :: shown
+
+    text = str(x)
+    read (text, *) shown
+    if (abs(shown - x) > 0) then
+      write (buffer, '(es24.16e3)') x
+      text = trim(adjustl(buffer))
+    end if
+  end function exact
 
   ! What a file or a user gave, as a message shows it: one line of ASCII, of limited length.
   function visible(text) result(shown)

@@ -292,6 +292,7 @@ class Path(unittest.TestCase):
             (self.HEAD + "0,1,0,0,0,1,0,0,0\n", ["F.csv:2", "10 numbers"]),
             (self.HEAD + "0,1,0,0,0,one,0,0,0,1\n", ["F.csv:2", "one"]),
             (self.HEAD + "1,1,0,0,0,1,0,0,0,1\n0,1,0,0,0,1,0,0,0,1\n", ["F.csv:3", "time = 0"]),
+            (self.HEAD + "1.0000001,1,0,0,0,1,0,0,0,1\n1,1,0,0,0,1,0,0,0,1\n", ["time = 1: ", "1.0000001000000001E+000"]),
         ):
             run = self.path(text)
             self.assertEqual(run.status, 1)
