@@ -62,9 +62,11 @@ void update(const double* F, double dtime, const double* props, int nprops, doub
   double factor = 1;
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatev);
   const auto write = [&](const auto& r) {
-    r.template copy<6>(S, dS_dE);
-    if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, r.state[abi::stretch_entry], dtime);
-    for (int i = 0; i < abi::kept_entries(nstatev); ++i) statev[i] = r.state[i];
+    for (int i = 0; i < 6; ++i) S[i] = r[myogrowth_row_stress + i * myogrowth_block_points];
+    for (int i = 0; i < 36; ++i) dS_dE[i] = r[myogrowth_row_tangent + i * myogrowth_block_points];
+    const double lambda = r[abi::row_of_state(abi::stretch_entry)];
+    if (p.tolerance > 0) factor = abi::advised_factor(p, G_n, lambda_n, lambda, dtime);
+    for (int i = 0; i < abi::kept_entries(nstatev); ++i) statev[i] = r[abi::row_of_state(i)];
     return true;
   };
   PointUpdate<double> u;

@@ -18,7 +18,8 @@ if(MYOGROWTH_BUILD_UMAT)
   if(TARGET myogrowth_ccx)
     set(ccx myogrowth_ccx)
   endif()
-  install(TARGETS myogrowth_umat myogrowth_vumat myogrowth_vumat_float myogrowth_c ${ccx} myogrowth_mgis myogrowth_probe
+  install(TARGETS myogrowth_umat myogrowth_vumat myogrowth_vumat_float myogrowth_c ${ccx} myogrowth_comsol
+                  myogrowth_mgis myogrowth_probe
           EXPORT myogrowth-umat LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT umat NAMELINK_COMPONENT umat
           RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT umat
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT umat)

@@ -184,101 +184,38 @@ TEST(Moose, TheTransposedJacobianCostsIterationsAndNothingElse) {
   EXPECT_LT(difference(right, read), 1e-9);
 }
 
-// ---- COMSOL
+// ---- Elmer
 // ------------------------------------------------------------------------------------------------
-// UMAT4COMSOLfinite.c (github.com/sergiolucarini/UMAT4COMSOL): COMSOL's state has 22 entries more than the
-// UMAT's, and NSTATV counts them; NOEL and COORDS are PROPS(3:6); where PNEWDT < 1 the routine returns
-// success with its old results. The scalar arguments SSE, RPL, DRPLDT ... are by reference here;
-// as published they are by value, which crashes every UMAT that writes to them (docs/hosts.md).
-struct Comsol {
-  int user_states = 8;
-  Numbers states;
-  Matrix3d S = Matrix3d::Constant(-777);
-  double jacobian[6][9];  // S: xx yy zz yz xz xy; F: row by row
-
-  explicit Comsol(int n = 8) : user_states(n), states(static_cast<std::size_t>(n + 22), 0.0) {}
-
-  // `F` stored by rows, as in C. Returns 0: COMSOL continues.
-  int eval(const Matrix3d& F, double delta, const Numbers& parameters) {
-    host::Call c;
-    c.props = parameters;
-    c.statev = states;
-    c.dtime = delta;
-    c.F = F;
-    c.run();
-    states = c.statev;
-    if (c.pnewdt < 1) return 0;
-    double* own = &states[static_cast<std::size_t>(user_states)];
-    own[0] += delta;
-    std::memcpy(own + 1, F.data(), sizeof(double) * 9);
-    std::memcpy(own + 10, c.stress.data(), sizeof(double) * 6);
-    const double J = F.determinant();
-    const Matrix3d inv = F.inverse(), sigma = tensor(c.stress.data()), tau = J * sigma;
-    S = inv * tau * inv.transpose();
-    // dtau = J DDSDDE:D + W tau - tau W, then S = F^-1 tau F^-T.
-    for (int k = 0; k < 3; ++k) {
-      for (int l = 0; l < 3; ++l) {
-        Matrix3d dF = Matrix3d::Zero();
-        dF(k, l) = 1;
-        const Matrix3d L = dF * inv, D = (L + L.transpose()) / 2, W = (L - L.transpose()) / 2;
-        Six d;
-        for (int a = 0; a < 6; ++a) d[a] = D(row[a], column[a]) * (a < 3 ? 1 : 2);
-        const Six rate = J * c.ddsdde * d;
-        const Matrix3d dtau = tensor(rate.data()) + W * tau - tau * W;
-        const Matrix3d dS = inv * (dtau - L * tau - tau * L.transpose()) * inv.transpose();
-        const int r[6] = {0, 1, 2, 1, 0, 0}, s[6] = {0, 1, 2, 2, 2, 1};
-        for (int a = 0; a < 6; ++a) jacobian[a][3 * k + l] = dS(r[a], s[a]);
-      }
-    }
-    return 0;
-  }
-};
-
-TEST(Comsol, StressAndJacobianAreThoseOfTheLaw) {
-  Comsol comsol;
+// ElasticSolve.F90: before the first increment one call with F = I, whose stress must stay; then Cauchy
+// stress and DDSDDE of NTENS = 6, or of 4 in two dimensions, where an axisymmetric F has the hoop direction
+// in 2 and the shears 13 and 31.
+TEST(Elmer, TheStressIsCauchysInThreeDimensions) {
+  host::Call c;
+  c.props = muscle;
+  c.stress.setZero();
+  c.run();
+  EXPECT_LT(c.stress.norm(), 1e-15);
   auto exact = at_rest();
   for (int step = 1; step <= 10; ++step) {
-    const Matrix3d F = on_path(step);
-    comsol.eval(F, 0.1, muscle);
-    const auto u = myogrowth::update(myogrowth::FibreGrowth<>(), F, exact, 0.1);
-    EXPECT_LT(difference(comsol.S, u.second_piola()), 1e-13);
-    for (int k = 0; k < 3; ++k) {
-      for (int l = 0; l < 3; ++l) {
-        const double h = 1e-6;
-        Matrix3d side[2] = {F, F};
-        side[0](k, l) -= h, side[1](k, l) += h;
-        const Matrix3d dS =
-            (myogrowth::update(myogrowth::FibreGrowth<>(), side[1], exact, 0.1).second_piola() -
-             myogrowth::update(myogrowth::FibreGrowth<>(), side[0], exact, 0.1).second_piola()) /
-            (2 * h);
-        EXPECT_NEAR(comsol.jacobian[0][3 * k + l], dS(0, 0), 1e-6);
-        EXPECT_NEAR(comsol.jacobian[3][3 * k + l], dS(1, 2), 1e-6);
-        EXPECT_NEAR(comsol.jacobian[5][3 * k + l], dS(0, 1), 1e-6);
-      }
-    }
+    c.F = on_path(step);
+    c.run();
+    const auto u = myogrowth::update(myogrowth::FibreGrowth<>(), c.F, exact, c.dtime);
+    EXPECT_LT(difference(tensor(c.stress.data()), u.cauchy()), 1e-14);
     exact = u.state;
-    EXPECT_EQ(comsol.states[0], exact.G);
-    EXPECT_NEAR(comsol.states[8], 0.1 * step, 1e-15);  // the wrapper's entries are unchanged
+    EXPECT_EQ(c.statev[0], exact.G);
   }
 }
 
-TEST(Comsol, FewerThanEightStatesAreWrittenOver) {
-  Comsol comsol(4);
-  comsol.eval(on_path(1), 0.1, muscle);
-  EXPECT_NE(comsol.states[4], 0.1);  // the wrapper's time, overwritten by Je and the fibre
-}
-
-TEST(Comsol, AFailedStepAndAdviceAreNotNoticed) {
-  Comsol comsol;
-  Matrix3d F = Matrix3d::Identity();
-  F(0, 0) = -1;
-  EXPECT_EQ(comsol.eval(F, 0.1, muscle), 0);
-  EXPECT_EQ(comsol.S, Matrix3d::Constant(-777));
-  Numbers advised = muscle;
-  advised.insert(advised.end(), {0, 0, 0, 1e-9});  // PROPS(13): a tolerance that the step does not meet
-  EXPECT_EQ(comsol.eval(on_path(5), 1, advised), 0);
-  EXPECT_EQ(comsol.S, Matrix3d::Constant(-777));
-  EXPECT_GT(comsol.states[0], 1);  // but the state has changed
+TEST(Elmer, AxisymmetricProblemsAreReadWrongly) {
+  const double along = 1.1, hoop = 0.96;
+  host::Call abaqus, elmer;
+  abaqus.ntens = elmer.ntens = 4;
+  abaqus.props = elmer.props = {16, 4, 0.5, 2, 1.1, 1.01, 0, 1, 0};  // the fibre along the axis, Abaqus's 2
+  abaqus.F = Eigen::Vector3d(hoop, along, hoop).asDiagonal();        // r, z, hoop
+  elmer.F = Eigen::Vector3d(hoop, hoop, along).asDiagonal();         // r, hoop, z
+  abaqus.run(), elmer.run();
+  EXPECT_GT(abaqus.statev[0], 1.005);
+  EXPECT_EQ(elmer.statev[0], 1);  // no growth, and no message
 }
 
 // ---- WARP3D

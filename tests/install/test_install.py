@@ -70,7 +70,7 @@ class Staged(Case):
         headers = {str(f.relative_to(SOURCE)) for f in (SOURCE / "include/myogrowth").rglob("*.hpp")}
         self.assertLessEqual(headers, files)
         rest = {f for f in files if not re.match(r"include/myogrowth/|lib/(cmake|pkgconfig)/|share/myogrowth/cases/", f)}
-        libraries = ["MYOGROWTH", *(f"myogrowth{x}" for x in ("", "_umat", "_vumat", "_vumat_float", "_mgis", "_probe"))]
+        libraries = ["MYOGROWTH", *(f"myogrowth{x}" for x in ("", "_umat", "_vumat", "_vumat_float", "_mgis", "_comsol", "_probe"))]
         minor = VERSION.rsplit(".", 1)[0]
         expected = {"bin/myogrowth_driver", "include/myogrowth.h", "share/doc/myogrowth/copyright", "lib/libmyogrowth_abaqus.so",
                     "share/myogrowth/umat/compile.sh", "share/myogrowth/umat/ABA_PARAM.INC",
