@@ -74,7 +74,7 @@ using Umat = void(
     const double* dtime,   // in: length of the increment
     const double* temp,    // in: temperature; not used
     const double* dtemp,   // in: its increment; not used
-    const double* predef,  // in: predefined field variables; not used
+    const double* predef,  // in: predefined field variables; the first: activation, if PROPS(20) = -1
     const double* dpred,   // in: their increments; not used
     const char* cmname,    // in (80 characters): material name; not used
     const int* ndi,        // in: number of direct stress components
@@ -111,7 +111,7 @@ using Vumat = void(
     const int* ndir,              // in: number of direct stress components
     const int* nshr,              // in: number of shear stress components
     const int* nstatev,           // in: number of state variables, *DEPVAR
-    const int* nfieldv,           // in: number of field variables; not used
+    const int* nfieldv,           // in: number of field variables
     const int* nprops,            // in: number of material constants
     const int* lanneal,           // in: whether this is an annealing step; not used
     const VumatReal* stepTime,    // in: time since the step began

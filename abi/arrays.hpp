@@ -3,16 +3,13 @@
 #ifndef MYOGROWTH_ABI_ARRAYS_HPP
 #define MYOGROWTH_ABI_ARRAYS_HPP
 
-#include "elastic_laws.hpp"
 #include "many.hpp"
 
 namespace myogrowth {
 namespace abi {
 
 /// What the points of a call have in common.
-struct CallOfMany : Common {
-  LawChoice law;
-};
+using CallOfMany = Common;
 
 /// The axes of an array of points, the last one fastest, and how far it goes along each, in numbers. One axis
 /// is the rule.

@@ -112,22 +112,6 @@ const char* reason(UpdateStatus status, abi::Text& text) {
   return text;
 }
 
-// Calls use(u, material, activation ...), with u what update_point of the material fills.
-template <class Use>
-UpdateStatus with_material(const Call& call, const Use& use) {
-  const FibreGrowth<double>& m = call.properties.material;
-  if (!call.has_law) {
-    PointUpdate<double> u;
-    return use(u, m);
-  }
-  UpdateStatus status = UpdateStatus::ok;
-  abi::with_chosen_law(call.law, m, [&](const auto& material, double activation) {
-    ElasticPointUpdate<double> u;
-    status = use(u, material, activation);
-  });
-  return status;
-}
-
 // The points of arrays, for abi::update_many.
 struct Points {
   const Call& call;
@@ -193,10 +177,9 @@ struct Points {
     double& stretch = state[abi::stretch_entry] = a.stretch(i, 0);
     for (int c = 0; c < 3; ++c) state[abi::fibre_entry + c] = a.n0(i, c);
     if (a.is_known && !(state[0] > 0 && stretch > 0 && is_finite(stretch))) state[0] = no_number;
-    return with_material(call, [&](auto& u, const auto& material, const auto&... activation) {
-      const auto take_it = [&](const abi::Result& r) { return take(i, r); };
-      return abi::update_alone(call, material, u, F, state, text, take_it, activation...);
-    });
+    const double no_field = 0;  // PROPS(20) = -1 is refused
+    return abi::update_alone(call, F, state, no_field, text,
+                             [&](const abi::Result& r) { return take(i, r); });
   }
   void refuse(int i, UpdateStatus status, abi::Text& text) {
     ::refuse(a, i, static_cast<int>(status));
@@ -216,11 +199,8 @@ int check_props(const double* props, int n_props, CallOfMany& call, Text& text) 
     tell(text, "props = NULL: the constants are needed.");
     return MYOGROWTH_BAD_ARGUMENT;
   }
-  call.has_law = asks_for_law(props, n_props);
-  const bool fault =
-      (call.has_law ? find_law_fault(props, n_props, nullptr, nullptr, call.properties, call.law, text)
-                    : find_props_fault(props, n_props, call.properties, text)) ||
-      find_hybrid_fault("the C API", call.properties, text);
+  const bool fault = find_muscle_fault(props, n_props, false, call.properties, call.law, text) ||
+                     find_hybrid_fault("the C API", call.properties, text);
   return fault ? MYOGROWTH_BAD_PARAMETER : MYOGROWTH_OK;
 }
 
@@ -302,8 +282,9 @@ int myogrowth_uniaxial(const double* props, int n_props, double stretch, const d
   if (made == MYOGROWTH_OK) {
     double side = lateral ? *lateral : 0, results[2], state[abi::n_kept], psi = 0;
     const double G = abi::number_at_start(state_in), last = abi::stretch_at_start(state_in, n_state);
-    const UpdateStatus status =
-        with_material(common, [&](auto& u, const auto& material, const auto&... activation) {
+    const UpdateStatus status = abi::with_material(
+        common.properties.material, common.law,
+        [&](auto& u, const auto& material, const auto&... activation) {
           double slope;
           const UpdateStatus found =
               uniaxial_stress(material, stretch, G, last, dt, side, u, slope, activation...);

@@ -5,7 +5,8 @@
 //
 // Both take the second Piola-Kirchhoff stress S and dS/dE as they come, at any strain; CalculiX keeps the
 // symmetric part of dS/dE. (Its other Abaqus interface, @ABAQUSNL_, loses the factor J and the rotation.)
-// PROPS and STATEV are the UMAT's, docs/manual.md. Of the arguments only those are read that CalculiX fills.
+// PROPS and STATEV are the UMAT's, docs/manual.md; elastic laws have an order of their own, docs/laws.md. Of
+// the arguments only those are read that CalculiX fills.
 //
 // *INITIAL CONDITIONS of CalculiX 2.20 reads six state variables at most, and one point per card; so a fibre
 // may also come in STATEV(2:4), which STATEV(5) = -1 says (Je is never negative):
@@ -24,12 +25,12 @@ using namespace myogrowth;
 
 // CalculiX has no way to be told of bad input, so the job is ended as CalculiX ends it: with its status,
 // once, though its threads may all find the same fault.
-[[noreturn]] void end_job(const char* text) {
+[[noreturn]] void end_job(const char* text, const char* note = "") {
   static std::atomic_flag told = ATOMIC_FLAG_INIT;
   while (told.test_and_set()) {  // another thread is about to end the process
   }
   std::fflush(nullptr);
-  std::printf("\n *ERROR in myogrowth: %s\n\n", text);
+  std::printf("\n *ERROR in myogrowth: %s%s\n\n", text, note);
   std::fflush(nullptr);
   std::_Exit(201);
 }
@@ -43,17 +44,41 @@ void move_fibre(double* statev, int nstatev) {
   for (int i = 1; i < 5; ++i) statev[i] = 0;
 }
 
+// PROPS in the UMAT's order, if they come in the short order that fits an elastic law into the 21 constants
+// that CalculiX passes: activation, -law, PROPS(3:9), the law's parameters, PROPS(11:). False if they do not.
+bool put_in_order(const double* given, int n, double (&props)[abi::n_all_props]) {
+  if (n < abi::n_props_required || !(given[1] == -1 || given[1] == -2 || given[1] == -3)) return false;
+  const double law = -given[1];
+  int next = 2;
+  const auto take = [&](double initial) { return next < n ? given[next++] : initial; };
+  for (double& x : props) x = 0;
+  for (int i = 2; i < abi::n_props_plain; ++i) props[i] = take(abi::property(i).initial);
+  props[abi::law_entry] = law;
+  props[abi::activation_entry] = given[0];
+  const abi::LawParameters& table = abi::parameters_of(static_cast<abi::Law>(static_cast<int>(law)));
+  for (int i = 0; i < table.size; ++i) props[abi::first_law_parameter + i] = take(table.entry[i].initial);
+  for (int i = abi::energy_entry; i < abi::hybrid_entry; ++i) props[i] = take(abi::property(i).initial);
+  for (; next < n; ++next) {
+    if (given[next] != 0) end_job("There are more constants than CalculiX's order for elastic laws has.");
+  }
+  return true;
+}
+
 // One step at one point. `statev` comes in as at the beginning of the increment. pnewdt of CalculiX: -1
 // unless the increment is to be repeated, pnewdt times as long.
 void update(const double* F, double dtime, const double* props, int nprops, double* statev, int nstatev,
             double S[6], double dS_dE[36], double& pnewdt) {
   move_fibre(statev, nstatev);
   const int second_piola = 2;
-  abi::Common common{{}, nstatev, dtime, second_piola, true};
+  abi::Common common{{}, nstatev, dtime, second_piola, true, {}};
   const abi::Properties& p = common.properties;
   abi::Text text;
-  if (abi::find_call_fault("CalculiX", "*DEPVAR", props, nprops, nstatev, common.properties, text))
-    end_job(text);
+  double in_order[abi::n_all_props];
+  const bool is_short = put_in_order(props, nprops, in_order);
+  if (abi::find_call_fault("CalculiX", "*DEPVAR", is_short ? in_order : props,
+                           is_short ? abi::n_all_props : nprops, false, nstatev, common.properties,
+                           common.law, text))
+    end_job(text, is_short ? " (Its place in the UMAT's order; docs/laws.md has CalculiX's short one.)" : "");
   if (p.local_basis) {
     end_job(
         "PROPS(10) = 1: CalculiX gives F in fixed axes, so frame must be 0, and the section have no "
@@ -61,7 +86,7 @@ void update(const double* F, double dtime, const double* props, int nprops, doub
   }
   double factor = 1;
   const double G_n = abi::number_at_start(statev), lambda_n = abi::stretch_at_start(statev, nstatev);
-  const auto write = [&](const auto& r) {
+  const auto write = [&](const abi::Result& r) {
     for (int i = 0; i < 6; ++i) S[i] = r[myogrowth_row_stress + i * myogrowth_block_points];
     for (int i = 0; i < 36; ++i) dS_dE[i] = r[myogrowth_row_tangent + i * myogrowth_block_points];
     const double lambda = r[abi::row_of_state(abi::stretch_entry)];
@@ -69,9 +94,8 @@ void update(const double* F, double dtime, const double* props, int nprops, doub
     for (int i = 0; i < abi::kept_entries(nstatev); ++i) statev[i] = r[abi::row_of_state(i)];
     return true;
   };
-  PointUpdate<double> u;
-  if (abi::update_alone(common, p.material, u, abi::or_identity(F), statev, text, write) !=
-      UpdateStatus::ok) {
+  const double no_field = 0;  // PROPS(20) = -1 is refused
+  if (abi::update_alone(common, abi::or_identity(F), statev, no_field, text, write) != UpdateStatus::ok) {
     if (text[0]) end_job(text);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     for (int i = 0; i < 6; ++i) S[i] = nan;

@@ -25,7 +25,8 @@ struct UmatCall {
   int ntens, ndi, nshr, nstatv, nprops;
   const double *statev, *props, *dfgrd1;
   double dtime, pnewdt;
-  const double* J_hat;  ///< STRESS(NTENS+1) of a mixed element, else null
+  const double* J_hat;           ///< STRESS(NTENS+1) of a mixed element, else null
+  const double *predef, *dpred;  ///< field variable 1 and its increment where they are read, else null
 };
 
 /// A number that Fortran and C read back to the same bits, whatever locale the host has set.
@@ -76,11 +77,15 @@ inline void write_call(std::FILE* file, int number, const UmatCall& call, const 
     write_number(file, call.dfgrd1[i / 3 + 3 * (i % 3)]);
     std::fputs(i == 8 ? "\n" : i % 3 == 2 ? ",\n" : ",", file);
   }
-  if (call.J_hat) {
-    std::fputs("  jhat = ", file);
-    write_number(file, *call.J_hat);
-    std::fputs("  ! the mixed element's volume ratio\n", file);
-  }
+  const auto write_if_there = [&](const char* name, const double* x, const char* meaning) {
+    if (!x) return;
+    std::fprintf(file, "  %s = ", name);
+    write_number(file, *x);
+    std::fprintf(file, "  ! %s\n", meaning);
+  };
+  write_if_there("jhat", call.J_hat, "the mixed element's volume ratio");
+  write_if_there("predef", call.predef, "field variable 1, the activation");
+  write_if_there("dpred", call.dpred, "its increment");
   write_entries(file, "nprops", "props", call.props, call.nprops, property, n_props);
   write_entries(file, "nstatv", "statev", call.statev, call.nstatv, state_variable, n_statev);
   std::fputs("/\n", file);

@@ -1,8 +1,7 @@
 /// @file
 /// PROPS(19:31): the elastic laws other than eq. 3, their table of parameters, and what reads them.
 ///
-/// PROPS(19) = 0 or none: eq. 3, and nothing of this file is used. Hosts that do not include it refuse any
-/// other number (faults.hpp).
+/// This is the one place where they are read and checked, for all hosts. PROPS(19) = 0 or none: eq. 3.
 #ifndef MYOGROWTH_ABI_ELASTIC_LAWS_HPP
 #define MYOGROWTH_ABI_ELASTIC_LAWS_HPP
 
@@ -16,15 +15,16 @@
 namespace myogrowth {
 namespace abi {
 
-constexpr int activation_entry = law_entry + 1;     ///< index of the activation in PROPS
-constexpr int first_law_parameter = law_entry + 2;  ///< index of a law's first parameter
-constexpr int most_law_parameters = 11;             ///< of law 2
-constexpr int n_laws = 3;                           ///< laws 1 to 3
-constexpr double from_field = -1;                   ///< activation: field variable 1
-constexpr double tolerance_of_activation = 1e-9;    ///< what a host's sums may leave beyond 0 and 1
+constexpr int activation_entry = law_entry + 1;                         ///< index of the activation in PROPS
+constexpr int first_law_parameter = law_entry + 2;                      ///< index of a law's first parameter
+constexpr int most_law_parameters = 11;                                 ///< of law 2
+constexpr int n_all_props = first_law_parameter + most_law_parameters;  ///< of PROPS, at most
+constexpr int n_laws = 3;                                               ///< laws 1 to 3
+constexpr double from_field = -1;                                       ///< activation: field variable 1
+constexpr double tolerance_of_activation = 1e-9;  ///< what a host's sums may leave beyond 0 and 1
 
-/// The law's place in the lists below.
-enum class Law { roehrle = 1, blemker, ehret };
+/// PROPS(19).
+enum class Law { neo_hookean, roehrle, blemker, ehret };
 
 /// A law's parameters, in the order of PROPS.
 struct LawParameters {
@@ -81,23 +81,75 @@ constexpr LawParameters LawTables<Unused>::law[n_laws];
 inline const LawParameters& parameters_of(Law law) { return LawTables<>::law[static_cast<int>(law) - 1]; }
 
 /// Whether PROPS ask for one of them, or for something that is no law.
-inline bool asks_for_law(const double* props, int nprops) {
+template <class R>
+bool asks_for_law(const R* props, int nprops) {
   return nprops > law_entry && props[law_entry] != 0;
+}
+
+/// Whether the activation is to be field variable 1.
+template <class R>
+bool reads_field(const R* props, int nprops) {
+  return asks_for_law(props, nprops) && nprops > activation_entry &&
+         static_cast<double>(props[activation_entry]) == from_field;
 }
 
 /// What PROPS(19:) say.
 struct LawChoice {
   Law law;
+  bool by_field;  ///< the activation is that of field variable 1, which the host has to take
   double activation;
   double p[most_law_parameters];
 };
 
-/// Reads all PROPS where they ask for a law. predef, dpred: field variable 1 and its increment, read only
-/// where PROPS(20) = -1; null where a host has none. True, and the text, if an entry is not allowed.
-inline bool find_law_fault(const double* props, int nprops, const double* predef, const double* dpred,
-                           Properties& properties, LawChoice& choice, Text& text) {
-  char place[24];
-  const double number = props[law_entry];
+/// Takes an activation; false if it is not allowed. R: the numbers of the host, which may have rounded it.
+template <class R>
+bool take_activation(R given, LawChoice& choice) {
+  const double a = static_cast<double>(given), rounding = 4 * std::numeric_limits<R>::epsilon(),
+               most = rounding > tolerance_of_activation ? rounding : tolerance_of_activation;
+  choice.activation = a < 0 ? 0 : a > 1 ? 1 : a;
+  return -most <= a && a <= 1 + most;
+}
+
+/// Takes field variable 1 where PROPS(20) = -1. True, and the text, if it is not allowed.
+template <class R>
+bool find_field_fault(R field, LawChoice& choice, Text& text) {
+  return !take_activation(field, choice) &&
+         tell(text, "PROPS(%d) = -1, field variable 1 = %.*g: activation, must be >= 0 and <= 1.",
+              activation_entry + 1, digits<R>(), static_cast<double>(field));
+}
+
+/// Reads the n parameters that are given; a missing one has its published default. True, and the text, if one
+/// is not allowed. It goes by its place in PROPS where parameters begin at `first` there, by its symbol where
+/// first is 0.
+template <class R>
+bool find_parameter_fault(const R* given, int n, int first, LawChoice& choice, Text& text) {
+  const LawParameters& table = parameters_of(choice.law);
+  for (int i = 0; i < table.size; ++i) {
+    const Property& entry = table.entry[i];
+    choice.p[i] = i < n ? static_cast<double>(given[i]) : entry.initial;
+    if (is_finite(choice.p[i]) && is_in_range(entry.allowed, choice.p[i], choice.p)) continue;
+    char place[24];
+    std::snprintf(place, sizeof place, "PROPS(%d)", first + i + 1);
+    return tell_bad_entry(entry, choice.p[i], text, first > 0 ? place : nullptr, digits<R>());
+  }
+  for (int i = table.size; i < n; ++i) {
+    if (given[i] != 0) {
+      return tell(
+          text,
+          "PROPS(%d) = %.*g: elastic law %d (%s) has %d parameters, PROPS(%d:%d); further ones must be 0.",
+          first + i + 1, digits<R>(), static_cast<double>(given[i]), static_cast<int>(choice.law), table.name,
+          table.size, first + 1, first + table.size);
+    }
+  }
+  return false;
+}
+
+/// Reads all PROPS where they ask for a law. has_fields: whether the host has field variables. True, and the
+/// text, if an entry is not allowed.
+template <class R>
+bool find_law_fault(const R* props, int nprops, bool has_fields, Properties& properties, LawChoice& choice,
+                    Text& text) {
+  const double number = static_cast<double>(props[law_entry]);
   if (!(number == 1 || number == 2 || number == 3)) {
     return tell(
         text,
@@ -105,55 +157,49 @@ inline bool find_law_fault(const double* props, int nprops, const double* predef
         law_entry + 1, number);
   }
   // The entries of all laws. c1 and c2 are those of eq. 3; a number there would be dropped without a word.
-  double common[n_props];
+  R common[n_props];
   for (int i = 0; i < n_props; ++i) common[i] = props[i];
   for (int i = 0; i < 2; ++i) {
     if (props[i] != 0) {
       return tell(text, "PROPS(%d) = %.9g: %s is a constant of elastic law 0, must be 0 with PROPS(%d) = %g.",
-                  i + 1, props[i], property(i).symbol, law_entry + 1, number);
+                  i + 1, static_cast<double>(props[i]), property(i).symbol, law_entry + 1, number);
     }
     common[i] = 1;
   }
   if (find_props_fault(common, n_props, properties, text)) return true;
 
   choice.law = static_cast<Law>(static_cast<int>(number));
-  const double given = nprops > activation_entry ? props[activation_entry] : 0;
-  if (given == from_field && !(predef && dpred)) {
+  const R given = nprops > activation_entry ? props[activation_entry] : R(0);
+  choice.by_field = reads_field(props, nprops);
+  if (choice.by_field && !has_fields) {
     return tell(text, "PROPS(%d) = -1: this host has no field variables; activation must be >= 0 and <= 1.",
                 activation_entry + 1);
   }
-  const double field = given == from_field ? *predef + *dpred : 0;
-  choice.activation = given == from_field ? field : given;
-  const double least = -tolerance_of_activation, most = 1 + tolerance_of_activation;
-  if (!(least <= choice.activation && choice.activation <= most)) {
-    if (given == from_field) {
-      return tell(text, "PROPS(%d) = -1, field variable 1 = %.9g: activation, must be >= 0 and <= 1.",
-                  activation_entry + 1, field);
-    }
-    return tell(text, "PROPS(%d) = %.9g: activation, must be >= 0 and <= 1, or -1 for field variable 1.",
-                activation_entry + 1, given);
+  if (!choice.by_field && !take_activation(given, choice)) {
+    return tell(text, "PROPS(%d) = %.*g: activation, must be >= 0 and <= 1, or -1 for field variable 1.",
+                activation_entry + 1, digits<R>(), static_cast<double>(given));
   }
-  choice.activation = choice.activation < 0 ? 0 : choice.activation > 1 ? 1 : choice.activation;
+  const int n_given = nprops > first_law_parameter ? nprops - first_law_parameter : 0;
+  return find_parameter_fault(props + nprops - n_given, n_given, first_law_parameter, choice, text);
+}
 
-  const LawParameters& table = parameters_of(choice.law);
-  for (int i = 0; i < table.size; ++i) {
-    const int entry = first_law_parameter + i;
-    choice.p[i] = entry < nprops ? props[entry] : table.entry[i].initial;
-    if (!is_finite(choice.p[i]) || !is_in_range(table.entry[i].allowed, choice.p[i], choice.p)) {
-      std::snprintf(place, sizeof place, "PROPS(%d)", entry + 1);
-      return tell_bad_entry(table.entry[i], choice.p[i], text, place);
-    }
-  }
-  for (int i = first_law_parameter + table.size; i < nprops; ++i) {
-    if (props[i] != 0) {
-      return tell(
-          text,
-          "PROPS(%d) = %.9g: elastic law %g (%s) has %d parameters, PROPS(%d:%d); further ones must be 0.",
-          i + 1, props[i], number, table.name, table.size, first_law_parameter + 1,
-          first_law_parameter + table.size);
-    }
-  }
-  return false;
+/// Reads all PROPS, whatever the law. True, and the text, if an entry is not allowed.
+template <class R>
+bool find_muscle_fault(const R* props, int nprops, bool has_fields, Properties& properties, LawChoice& choice,
+                       Text& text) {
+  choice = LawChoice{};
+  return asks_for_law(props, nprops) ? find_law_fault(props, nprops, has_fields, properties, choice, text)
+                                     : find_props_fault(props, nprops, properties, text);
+}
+
+/// Reads all PROPS and checks the length of STATEV for a host without mixed elements: `where` and `name` as
+/// find_hybrid_fault and find_room_fault have them.
+template <class R>
+bool find_call_fault(const char* where, const char* name, const R* props, int nprops, bool has_fields,
+                     int nstatev, Properties& properties, LawChoice& choice, Text& text) {
+  return find_muscle_fault(props, nprops, has_fields, properties, choice, text) ||
+         find_hybrid_fault(where, properties, text) || find_room_fault(name, nstatev, text) ||
+         find_stretch_fault(name, nstatev, properties, text);
 }
 
 /// The laws from their entries.
@@ -171,16 +217,18 @@ FibreGrowthOf<Elastic> with_law(const Elastic& law, const FibreGrowth<double>& m
   return {law, m.growth, m.removal, m.energy, m.integration};
 }
 
-/// Calls use(material, activation) with the material of the law that was chosen.
+/// What use(u, material, activation) gives for the material of the law that was chosen, with u what its
+/// update_point fills; use(u, material) for eq. 3.
 template <class Use>
-void with_chosen_law(const LawChoice& choice, const FibreGrowth<double>& m, const Use& use) {
-  if (choice.law == Law::roehrle) {
-    use(with_law(roehrle_of(choice.p), m), choice.activation);
-  } else if (choice.law == Law::blemker) {
-    use(with_law(blemker_of(choice.p), m), choice.activation);
-  } else {
-    use(with_law(ehret_of(choice.p), m), choice.activation);
+UpdateStatus with_material(const FibreGrowth<double>& m, const LawChoice& choice, const Use& use) {
+  if (choice.law == Law::neo_hookean) {
+    PointUpdate<double> u;
+    return use(u, m);
   }
+  ElasticPointUpdate<double> u;
+  if (choice.law == Law::roehrle) return use(u, with_law(roehrle_of(choice.p), m), choice.activation);
+  if (choice.law == Law::blemker) return use(u, with_law(blemker_of(choice.p), m), choice.activation);
+  return use(u, with_law(ehret_of(choice.p), m), choice.activation);
 }
 
 }  // namespace abi

@@ -113,10 +113,8 @@ MYOGROWTH_NOINLINE bool find_fault_among_all(const R* props, int nprops, Propert
   }
   for (int i = n_props; i < nprops; ++i) {
     if (props[i] != 0) {
-      return tell(text, "PROPS(%d) = %.*g: %s", i + 1, digits<R>(), static_cast<double>(props[i]),
-                  i == law_entry
-                      ? "this host has elastic law 0 only (docs/laws.md lists those with others); must be 0."
-                      : "elastic law 0 has 18 constants; further ones must be 0.");
+      return tell(text, "PROPS(%d) = %.*g: elastic law 0 has 18 constants; further ones must be 0.", i + 1,
+                  digits<R>(), static_cast<double>(props[i]));
     }
   }
   return false;
@@ -156,15 +154,6 @@ inline bool find_stretch_fault(const char* name, int nstatev, const Properties& 
     return false;
   return tell(text, "%s = %d: with PROPS(12) = 1 at least %d is needed, to remember lambda.", name, nstatev,
               stretch_entry + 1);
-}
-
-/// Reads PROPS and checks the length of STATEV for a host without mixed elements: `where` and `name` as
-/// above.
-template <class R>
-bool find_call_fault(const char* where, const char* name, const R* props, int nprops, int nstatev,
-                     Properties& properties, Text& text) {
-  return find_props_fault(props, nprops, properties, text) || find_hybrid_fault(where, properties, text) ||
-         find_room_fault(name, nstatev, text) || find_stretch_fault(name, nstatev, properties, text);
 }
 
 /// The fibre stretch at the beginning of a step, as STATEV remembers it; 1 where nothing is known yet.

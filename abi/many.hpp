@@ -7,6 +7,7 @@
 #include <myogrowth/more/left_stretch.hpp>
 
 #include "block.hpp"
+#include "elastic_laws.hpp"
 #include "point.hpp"
 
 namespace myogrowth {
@@ -19,7 +20,7 @@ struct Common {
   double dt;
   int measure;  ///< of stress and tangent, as convert() has them
   bool with_tangent;
-  bool has_law = false;  ///< an elastic law other than eq. 3, which packs do not have
+  LawChoice law;
 };
 
 /// The row of a block where entry `e` of the state at the end is.
@@ -65,6 +66,17 @@ UpdateStatus update_alone(const Common& c, const Material& material, Point& u, c
   return take(Result{column, 1}) ? UpdateStatus::ok : UpdateStatus::not_finite;
 }
 
+/// The same by the law that PROPS ask for. field: field variable 1, read where PROPS(20) = -1.
+template <class Number, class Take>
+UpdateStatus update_alone(const Common& c, const double F[9], const double* state, Number field, Text& text,
+                          const Take& take) {
+  LawChoice law = c.law;
+  if (law.by_field && find_field_fault(field, law, text)) return UpdateStatus::bad_state;
+  return with_material(c.properties.material, law, [&](auto& u, const auto& material, const auto&... a) {
+    return update_alone(c, material, u, F, state, text, take, a...);
+  });
+}
+
 /// The fastest that this machine has.
 inline MyogrowthUpdateBlock* update_block() {
 #if defined(__x86_64__)
@@ -100,7 +112,8 @@ void update_many(const Common& c, int first, int last, Host& host) {
   constexpr int size = myogrowth_block_points;
   double props[n_props];
   write(c.properties.material, props);
-  const bool in_packs = packs_can(c.properties.material, c.dt) && !c.properties.local_basis && !c.has_law;
+  const bool in_packs =
+      packs_can(c.properties.material, c.dt) && !c.properties.local_basis && c.law.law == Law::neo_hookean;
   MyogrowthUpdateBlock* const update = update_block();
   MyogrowthBlock block;
   block.dt = c.dt;

@@ -1,6 +1,7 @@
-// What MGIS reads of the behaviour `FibreGrowth` before it calls it: mgis.cpp says where the names come from.
-// Names and defaults are those of properties.hpp.
-#include "properties.hpp"
+// What MGIS reads of a behaviour before it calls it: mgis.cpp says where the names come from. Names and
+// defaults are those of properties.hpp and elastic_laws.hpp. Compiled for each behaviour, with
+// -DMYOGROWTH_BEHAVIOUR=FibreGrowth... and -DMYOGROWTH_LAW=0 to 3.
+#include "elastic_laws.hpp"
 
 namespace {
 
@@ -12,24 +13,48 @@ using Names = const char* [n];
 template <int n>
 using Types = int[n];
 
+#define MYOGROWTH_TEXT_OF(x) #x
+#define MYOGROWTH_TEXT(x) MYOGROWTH_TEXT_OF(x)
+#define MYOGROWTH_JOINED_OF(a, b) a##_##b
+#define MYOGROWTH_JOINED(a, b) MYOGROWTH_JOINED_OF(a, b)
+
 constexpr int n_variables = abi::fibre_entry;
 constexpr Name variable(int i) { return abi::Tables<>::state_variable[i].symbol; }
 
 // Of the rows of PROPS: how many, and their names.
 #define MYOGROWTH_COUNT(...) +1
 #define MYOGROWTH_NAME(symbol, ...) #symbol,
-constexpr int n_properties = MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_COUNT);
 constexpr int n_parameters = MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_COUNT);
-static_assert(n_properties == abi::n_props_plain && n_parameters == abi::hybrid_entry - abi::energy_entry,
-              "what mgis.cpp reads");
+static_assert(n_parameters == abi::hybrid_entry - abi::energy_entry, "what mgis.cpp reads");
+
+// Material properties: c1 and c2 of eq. 3, those of growth, those of another elastic law.
+#if MYOGROWTH_LAW == 0
+constexpr int n_properties = abi::n_props_plain, n_external = 0;
+#else
+constexpr int n_of_growth = MYOGROWTH_PROPS_OF_GROWTH(MYOGROWTH_COUNT), n_external = 1;
+constexpr const abi::LawParameters& law = abi::LawTables<>::law[MYOGROWTH_LAW - 1];
+constexpr int n_properties = n_of_growth + law.size;
+#endif
+struct PropertyNames {  // laid out as an array
+  Name data[n_properties];
+};
+constexpr PropertyNames property_names() {
+#if MYOGROWTH_LAW == 0
+  return {{MYOGROWTH_PROPS_OF_EQ_3(MYOGROWTH_NAME) MYOGROWTH_PROPS_OF_GROWTH(MYOGROWTH_NAME)}};
+#else
+  PropertyNames names{{MYOGROWTH_PROPS_OF_GROWTH(MYOGROWTH_NAME)}};
+  for (int i = 0; i < law.size; ++i) names.data[n_of_growth + i] = law.entry[i].symbol;
+  return names;
+#endif
+}
 
 }  // namespace
 
 extern "C" {
 
-#define MYOGROWTH_MGIS(type, name)      \
-  extern const type FibreGrowth_##name; \
-  const type FibreGrowth_##name
+#define MYOGROWTH_MGIS(type, name)                               \
+  extern const type MYOGROWTH_JOINED(MYOGROWTH_BEHAVIOUR, name); \
+  const type MYOGROWTH_JOINED(MYOGROWTH_BEHAVIOUR, name)
 // A lower bound for the rows that have one, a default.
 #define MYOGROWTH_MGIS_BOUND(symbol, unit, meaning, initial, allowed) MYOGROWTH_BOUND_##allowed(symbol)
 #define MYOGROWTH_BOUND_positive(symbol) MYOGROWTH_MGIS(long double, symbol##_LowerPhysicalBound) = 0;
@@ -41,7 +66,7 @@ extern "C" {
   MYOGROWTH_MGIS(double, symbol##_ParameterDefaultValue) = initial;
 
 // What the entry is.
-MYOGROWTH_MGIS(Name, mfront_ept) = "FibreGrowth";
+MYOGROWTH_MGIS(Name, mfront_ept) = MYOGROWTH_TEXT(MYOGROWTH_BEHAVIOUR);
 MYOGROWTH_MGIS(Name, tfel_version) = "4.1.0";  // whose conventions are followed; no part of it is in here
 MYOGROWTH_MGIS(Name, unit_system) = "";
 MYOGROWTH_MGIS(Name, mfront_interface) = "Generic";
@@ -73,12 +98,16 @@ MYOGROWTH_MGIS(Types<1>, ThermodynamicForcesTypes) = {1};
 MYOGROWTH_MGIS(unsigned short, nTangentOperatorBlocks) = 2;
 MYOGROWTH_MGIS(Names<2>, TangentOperatorBlocks) = {"Stress", "DeformationGradient"};
 
-// Material properties: PROPS(1:9). Temperature, which MGIS adds to the external state variables, is not read.
+// Material properties. Temperature, which MGIS puts before the external state variables, is not read.
 MYOGROWTH_MGIS(unsigned short, nMaterialProperties) = n_properties;
-MYOGROWTH_MGIS(Names<n_properties>, MaterialProperties) = {MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_NAME)};
-MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_MGIS_BOUND)
-MYOGROWTH_MGIS(unsigned short, nExternalStateVariables) = 0;
-MYOGROWTH_MGIS(Names<1>, ExternalStateVariables) = {nullptr};
+MYOGROWTH_MGIS(PropertyNames, MaterialProperties) = property_names();
+#if MYOGROWTH_LAW == 0
+MYOGROWTH_PROPS_OF_EQ_3(MYOGROWTH_MGIS_BOUND)
+#endif
+MYOGROWTH_PROPS_OF_GROWTH(MYOGROWTH_MGIS_BOUND)
+MYOGROWTH_MGIS(unsigned short, TemperatureRemovedFromExternalStateVariables) = 1;
+MYOGROWTH_MGIS(unsigned short, nExternalStateVariables) = n_external;
+MYOGROWTH_MGIS(Names<1>, ExternalStateVariables) = {n_external > 0 ? "Activation" : nullptr};
 MYOGROWTH_MGIS(Types<1>, ExternalStateVariablesTypes) = {0};
 MYOGROWTH_MGIS(unsigned short, nInitializeFunctions) = 0;
 MYOGROWTH_MGIS(Names<1>, InitializeFunctions) = {nullptr};

@@ -54,9 +54,10 @@ constexpr int n_statev_required = 1;  ///< G has to be remembered
 
 // The rows of PROPS: symbol, unit, meaning, what is taken when PROPS ends before it, what is allowed. (Lists
 // of macros, since MGIS wants symbols of these names: mgis_symbols.cpp.)
-#define MYOGROWTH_PROPS_OF_MUSCLE(X)                                                         \
-  X(c1, "stress", "first Lame constant", 0, bulk_positive)                                   \
-  X(c2, "stress", "second Lame constant (shear modulus)", 0, positive)                       \
+#define MYOGROWTH_PROPS_OF_EQ_3(X)                         \
+  X(c1, "stress", "first Lame constant", 0, bulk_positive) \
+  X(c2, "stress", "second Lame constant (shear modulus)", 0, positive)
+#define MYOGROWTH_PROPS_OF_GROWTH(X)                                                         \
   X(tau, "time", "time constant of growth", 0, positive)                                     \
   X(gamma, "-", "shape exponent of the adaptation function", 0, not_negative)                \
   X(G_max, "-", "largest relative serial sarcomere number", 0, above_one)                    \
@@ -87,8 +88,9 @@ struct Tables {
 #define MYOGROWTH_ROW(symbol, unit, meaning, initial, allowed) \
   {#symbol, unit, meaning, initial, Allowed::allowed},
   static constexpr Property property[n_props] = {
-      MYOGROWTH_PROPS_OF_MUSCLE(MYOGROWTH_ROW) MYOGROWTH_PROPS_OF_FRAME(MYOGROWTH_ROW)
-          MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_ROW) MYOGROWTH_PROPS_OF_ELEMENT(MYOGROWTH_ROW)};
+      MYOGROWTH_PROPS_OF_EQ_3(MYOGROWTH_ROW) MYOGROWTH_PROPS_OF_GROWTH(MYOGROWTH_ROW)
+          MYOGROWTH_PROPS_OF_FRAME(MYOGROWTH_ROW) MYOGROWTH_PROPS_OF_STEP(MYOGROWTH_ROW)
+              MYOGROWTH_PROPS_OF_ELEMENT(MYOGROWTH_ROW)};
 #undef MYOGROWTH_ROW
   static constexpr StateVariable state_variable[n_statev] = {
       {"G", "relative serial sarcomere number; 0 on entry: not initialised, taken as 1"},

@@ -54,8 +54,9 @@ struct Call {
 
 // The end of a call that has no result. J_hat: as above.
 MYOGROWTH_NOINLINE void fail(Call c, double* J_hat, const char* fault) {
+  const bool reads_field = abi::reads_field(c.props, *c.nprops);
   abi::dump({*c.ntens, *c.ndi, *c.nshr, *c.nstatv, *c.nprops, c.statev, c.props, c.dfgrd1, *c.dtime,
-             *c.pnewdt, J_hat},
+             *c.pnewdt, J_hat, reads_field ? c.predef : nullptr, reads_field ? c.dpred : nullptr},
             fault);
   refuse(*c.ntens, c.stress, c.ddsdde, c.sse, J_hat, c.pnewdt);
 }
@@ -108,12 +109,14 @@ MYOGROWTH_NOINLINE bool update_with_law(Call c, abi::Text& text) {
   abi::Start start;
   abi::LawChoice choice{};
   const auto find_law_fault = [&] {
-    return abi::find_law_fault(c.props, *c.nprops, c.predef, c.dpred, properties, choice, text);
+    return abi::find_law_fault(c.props, *c.nprops, true, properties, choice, text) ||
+           (choice.by_field && abi::find_field_fault(*c.predef + *c.dpred, choice, text));
   };
   if (find_fault(*c.ntens, *c.ndi, *c.nshr, *c.nstatv, c.statev, properties, start, text, find_law_fault))
     return false;
-  abi::with_chosen_law(choice, properties.material, [&](const auto& material, double activation) {
-    update<ElasticPointUpdate<double>>([&] { return c; }, properties, start, material, activation);
+  abi::with_material(properties.material, choice, [&](auto& u, const auto& material, const auto&... a) {
+    update<std::decay_t<decltype(u)>>([&] { return c; }, properties, start, material, a...);
+    return u.status;
   });
   return true;
 }

@@ -29,12 +29,16 @@ using Number = VumatReal;
 // components).
 struct Block {
   int size, ndir, nshr, nstatev, nprops;
+  bool has_fields;
   double dt;
-  const Number *props, *density, *strain_inc, *stretch_old, *stress_old, *state_old, *energy_old,
+  const Number *field, *props, *density, *strain_inc, *stretch_old, *stress_old, *state_old, *energy_old,
       *dissipation_old, *stretch;
   Number *stress, *state, *energy, *dissipation;
   std::ptrdiff_t at(int point, int component) const {
     return point + static_cast<std::ptrdiff_t>(size) * component;
+  }
+  double old_state(int k, int entry) const {
+    return entry < nstatev ? static_cast<double>(state_old[at(k, entry)]) : 0;
   }
 };
 
@@ -43,14 +47,17 @@ void report(const char* text) {
               MYOGROWTH_UTILITY(xplb_exit, XPLB_EXIT));
 }
 
-bool find_fault(const Block& b, abi::Properties& properties, abi::Text& text) {
+bool find_fault(const Block& b, abi::Common& common, abi::Text& text) {
   if (b.ndir != 3 || b.nshr != 3) {
     return abi::tell(text,
                      "NDIR, NSHR = %d, %d: this version has 3, 3 alone (solid elements: C3D8R, C3D10M, ...).",
                      b.ndir, b.nshr);
   }
-  return abi::find_call_fault("Abaqus/Explicit", "NSTATEV", b.props, b.nprops, b.nstatev, properties, text);
+  return abi::find_call_fault("Abaqus/Explicit", "NSTATEV", b.props, b.nprops, b.has_fields, b.nstatev,
+                              common.properties, common.law, text);
 }
+
+constexpr int place[6] = {0, 1, 2, 3, 5, 4};  // of our components, 11 22 33 12 13 23, among VUMAT's
 
 // State and energies as they were: Abaqus wants every entry written, ours or not.
 void keep_state(const Block& b) {
@@ -67,13 +74,30 @@ void refuse(const Block& b, int k) {
 }
 
 // Abaqus's data check: made-up strain increments, from which it takes the initial wave speeds. Time does not
-// pass and STRETCH need not belong to them: Hooke's law, to which eq. 3 comes down at small strain.
-void check_data(const Block& b, const FibreGrowth<double>& material, int k) {
-  const auto strain = [&](int i) { return static_cast<double>(b.strain_inc[b.at(k, i)]); };
-  const double pressure = material.c1 * (strain(0) + strain(1) + strain(2));
+// pass and STRETCH need not belong to them: Hooke's law with the moduli of the undeformed muscle.
+void check_data(const Block& b, const abi::Common& common, int k) {
+  double c[36], n0[3] = {1, 0, 0}, state[abi::n_kept];
+  for (int i = 0; i < abi::n_kept; ++i) state[i] = b.old_state(k, i);
+  abi::Start start;
+  abi::Text text;
+  if (abi::find_start(state, b.nstatev, common.properties, start, text) == UpdateStatus::ok) {
+    for (int i = 0; i < 3; ++i) n0[i] = start.n0[i];
+  }
+  const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, one = 1, no_time = 0;
+  abi::with_material(common.properties.material, common.law,
+                     [&](auto& u, const auto& material, const auto&... a) {
+                       update_point(material, identity, n0, one, one, no_time, u, a...);
+                       spatial_modulus(u, c);
+                       return u.status;
+                     });
   for (int i = 0; i < 6; ++i) {
-    const double increment = 2 * material.c2 * strain(i) + (i < 3 ? pressure : 0);
-    b.stress[b.at(k, i)] = static_cast<Number>(b.stress_old[b.at(k, i)] + increment);
+    double increment = 0;
+    for (int j = 0; j < 6; ++j) {
+      const double strain = b.strain_inc[b.at(k, place[j])];
+      increment += c[i + 6 * j] * (j < 3 ? strain : 2 * strain);
+    }
+    const std::ptrdiff_t at = b.at(k, place[i]);
+    b.stress[at] = static_cast<Number>(b.stress_old[at] + increment);
   }
 }
 
@@ -96,10 +120,8 @@ bool write(const Block& b, int k, const abi::Result& r) {
   for (int i = 0; i < abi::n_kept; ++i)
     finite = finite && is_finite(static_cast<Number>(r[abi::row_of_state(i)]));
   if (!finite) return false;
-  const int kernel_index[6] = {0, 1, 2, 3, 5, 4};  // the kernel's order is 11 22 33 12 13 23
   for (int i = 0; i < 6; ++i)
-    b.stress[b.at(k, i)] =
-        static_cast<Number>(r[myogrowth_row_stress + kernel_index[i] * myogrowth_block_points]);
+    b.stress[b.at(k, place[i])] = static_cast<Number>(r[myogrowth_row_stress + i * myogrowth_block_points]);
   for (int i = 0; i < abi::kept_entries(b.nstatev); ++i)
     b.state[b.at(k, i)] = static_cast<Number>(r[abi::row_of_state(i)]);
   b.energy[k] = energy;
@@ -112,9 +134,6 @@ struct Points {
   const abi::Common& common;
   bool& reported;  // one message a call
 
-  double state_old(int k, int entry) const {
-    return entry < b.nstatev ? static_cast<double>(b.state_old[b.at(k, entry)]) : 0;
-  }
   void load(int i, int count, MyogrowthBlock& block) const {
     constexpr int size = myogrowth_block_points;
     const bool has_fibre = abi::keeps_fibre(b.nstatev);
@@ -123,9 +142,9 @@ struct Points {
         block.number[myogrowth_row_F + c * size + k] = b.stretch[b.at(i + k, component_of_U[c])];
       for (int c = 0; c < 3; ++c)
         block.number[myogrowth_row_n0 + c * size + k] =
-            has_fibre ? state_old(i + k, abi::fibre_entry + c) : 0;
-      block.number[myogrowth_row_G + k] = state_old(i + k, 0);
-      block.number[myogrowth_row_lambda + k] = state_old(i + k, abi::stretch_entry);
+            has_fibre ? b.old_state(i + k, abi::fibre_entry + c) : 0;
+      block.number[myogrowth_row_G + k] = b.old_state(i + k, 0);
+      block.number[myogrowth_row_lambda + k] = b.old_state(i + k, abi::stretch_entry);
     }
   }
   bool take(int k, const abi::Result& r) const { return write(b, k, r); }
@@ -133,9 +152,8 @@ struct Points {
   UpdateStatus one(int k, abi::Text& text) const {
     double U[9], state[abi::n_kept];
     read_stretch(b, b.stretch, k, U);
-    for (int i = 0; i < abi::n_kept; ++i) state[i] = state_old(k, i);
-    PointUpdate<double> u;
-    return abi::update_alone(common, common.properties.material, u, U, state, text,
+    for (int i = 0; i < abi::n_kept; ++i) state[i] = b.old_state(k, i);
+    return abi::update_alone(common, U, state, common.law.by_field ? b.field[k] : Number(0), text,
                              [&](const abi::Result& r) { return take(k, r); });
   }
   void refuse(int k, UpdateStatus, const abi::Text& fault) const {
@@ -148,15 +166,15 @@ struct Points {
 void update(const Block& b, bool is_data_check) {
   keep_state(b);
   const int cauchy = 0;
-  abi::Common common{{}, b.nstatev, b.dt, cauchy, false};
+  abi::Common common{{}, b.nstatev, b.dt, cauchy, false, {}};
   abi::Text text;
-  if (find_fault(b, common.properties, text)) {
+  if (find_fault(b, common, text)) {
     for (int k = 0; k < b.size; ++k) refuse(b, k);
     report(text);
     return;
   }
   if (is_data_check) {
-    for (int k = 0; k < b.size; ++k) check_data(b, common.properties.material, k);
+    for (int k = 0; k < b.size; ++k) check_data(b, common, k);
     return;
   }
   common.properties.local_basis = false;  // U is in the basis that turns with the material as it is
@@ -171,19 +189,20 @@ extern "C" {
 /// What Abaqus/Explicit calls. Newer versions pass arrays whose first entry is what was once a number:
 /// NBLOCK, and DT.
 void MYOGROWTH_FORTRAN(vumat, VUMAT)(
-    const int* nblock, const int* ndir, const int* nshr, const int* nstatev, const int* /*nfieldv*/,
+    const int* nblock, const int* ndir, const int* nshr, const int* nstatev, const int* nfieldv,
     const int* nprops, const int* /*lanneal*/, const Number* stepTime, const Number* totalTime,
     const Number* dt, const char* /*cmname*/, const Number* /*coordMp*/, const Number* /*charLength*/,
     const Number* props, const Number* density, const Number* strainInc, const Number* /*relSpinInc*/,
     const Number* /*tempOld*/, const Number* stretchOld, const Number* /*defgradOld*/,
     const Number* /*fieldOld*/, const Number* stressOld, const Number* stateOld, const Number* enerInternOld,
     const Number* enerInelasOld, const Number* /*tempNew*/, const Number* stretchNew,
-    const Number* /*defgradNew*/, const Number* /*fieldNew*/, Number* stressNew, Number* stateNew,
+    const Number* /*defgradNew*/, const Number* fieldNew, Number* stressNew, Number* stateNew,
     Number* enerInternNew, Number* enerInelasNew) {
-  const Block block{*nblock,   *ndir,    *nshr,         *nstatev,      *nprops,
-                    *dt,       props,    density,       strainInc,     stretchOld,
-                    stressOld, stateOld, enerInternOld, enerInelasOld, stretchNew,
-                    stressNew, stateNew, enerInternNew, enerInelasNew};
+  const Block block{
+      *nblock,   *ndir,         *nshr,         *nstatev,      *nprops,    nfieldv && *nfieldv > 0,
+      *dt,       fieldNew,      props,         density,       strainInc,  stretchOld,
+      stressOld, stateOld,      enerInternOld, enerInelasOld, stretchNew, stressNew,
+      stateNew,  enerInternNew, enerInelasNew};
   update(block, *stepTime == 0 && *totalTime == 0);
 }
 /// The same routine under a name of its own, for a user's VUMAT that dispatches between materials.

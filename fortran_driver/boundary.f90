@@ -2,7 +2,7 @@
 module boundary
   use, intrinsic :: iso_fortran_env, only: dp => real64
   use element, only: brick, corner, n_nodes, n_dofs
-  use input, only: settings, face_control, control_displacement, control_traction, face_names, axis_names
+  use input, only: settings, face_control, table_value, control_displacement, control_traction, face_names, axis_names
   use text, only: str, stop_run, status_input
   implicit none
   private
@@ -10,6 +10,7 @@ module boundary
 
   type :: boundary_conditions
     type(face_control), allocatable :: control(:)
+    real(dp), allocatable :: field_time(:)  ! knots of the field variable
     integer :: source(n_dofs) = 0   ! the control that prescribes a degree of freedom, 0 if it is free
     real(dp) :: face_area(3) = 0    ! of the faces across x, y, z
   contains
@@ -37,6 +38,7 @@ contains
     integer :: i, node, dof
 
     bc%control = s%faces
+    bc%field_time = s%field_time
     bc%face_area = product(b%size)/b%size
     do i = 1, size(bc%control)
       associate (c => bc%control(i))
@@ -71,7 +73,7 @@ contains
 
     u = 0
     do dof = 1, n_dofs
-      if (bc%source(dof) > 0) u(dof) = table_value(bc%control(bc%source(dof)), time)
+      if (bc%source(dof) > 0) u(dof) = value_of(bc%control(bc%source(dof)), time)
     end do
   end function displacements
 
@@ -89,7 +91,7 @@ contains
         do node = 1, n_nodes
           if (.not. on_face(node, c%face)) cycle
           dof = 3*(node - 1) + c%direction
-          f(dof) = f(dof) + table_value(c, time)*bc%face_area((c%face + 1)/2)/4
+          f(dof) = f(dof) + value_of(c, time)*bc%face_area((c%face + 1)/2)/4
         end do
       end associate
     end do
@@ -102,7 +104,7 @@ contains
     real(dp) :: knot
     integer :: i
 
-    knot = huge(knot)
+    knot = minval(bc%field_time, mask=bc%field_time > time)  ! huge if there is none
     do i = 1, size(bc%control)
       associate (t => bc%control(i)%time)
         knot = min(knot, minval(t, mask=t > time))
@@ -110,22 +112,12 @@ contains
     end do
   end function next_knot
 
-  pure function table_value(c, time) result(value)
+  pure real(dp) function value_of(c, time)
     type(face_control), intent(in) :: c
     real(dp), intent(in) :: time
-    real(dp) :: value, w
-    integer :: i
 
-    i = count(c%time <= time)
-    if (i == 0) then
-      value = c%value(1)
-    else if (i == size(c%time)) then
-      value = c%value(i)
-    else
-      w = (time - c%time(i))/(c%time(i + 1) - c%time(i))
-      value = (1 - w)*c%value(i) + w*c%value(i + 1)
-    end if
-  end function table_value
+    value_of = table_value(c%time, c%value, time)
+  end function value_of
 
   ! Whether two tables are the same function: piecewise linear ones are if they agree at all knots.
   logical function same_table(a, b)
@@ -134,10 +126,10 @@ contains
 
     same_table = .true.
     do i = 1, size(a%time)
-      same_table = same_table .and. equal(a%value(i), table_value(b, a%time(i)))
+      same_table = same_table .and. equal(a%value(i), value_of(b, a%time(i)))
     end do
     do i = 1, size(b%time)
-      same_table = same_table .and. equal(b%value(i), table_value(a, b%time(i)))
+      same_table = same_table .and. equal(b%value(i), value_of(a, b%time(i)))
     end do
   end function same_table
 

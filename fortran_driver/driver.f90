@@ -147,6 +147,8 @@ contains
     m%props = s%props
     m%statev_initial = s%statev_initial
     m%cmname = s%cmname
+    m%field_time = s%field_time
+    m%field_value = s%field_value
     m%library%umat => umat
     call watch_end()
     if (s%umat_file == '') return
@@ -222,7 +224,7 @@ contains
       '  --quiet        nothing on the screen but errors', &
       '  --help         this text', &
       '', &
-      'Groups in INPUT.nml, all optional: &material, &element, &time, &face (repeated), &solver, &output;', &
+      'Optional groups in INPUT.nml: &material, &element, &time, &field, &face (several), &solver, &output;', &
       'the files in fortran_driver/cases explain them.', &
       '', &
       'Exit status: 0 done, 1 something in the input is wrong, 2 the run could not be finished,', &

@@ -5,7 +5,7 @@ module input
   use text, only: exact, lower, str
   implicit none
   private
-  public :: settings, face_control, read_input, default_run, most_time, name_length
+  public :: settings, face_control, table_value, read_input, default_run, most_time, name_length
   public :: control_displacement, control_traction, control_free, face_names, axis_names
 
   character(len=2), parameter :: face_names(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
@@ -35,6 +35,7 @@ module input
     real(dp) :: size(3) = 1
     real(dp) :: duration = 42, dt = 0.05_dp, dt_min = 0.05e-6_dp, dt_increase = 2
     type(face_control), allocatable :: faces(:)
+    real(dp), allocatable :: field_time(:), field_value(:)  ! field variable 1, as a face's table
     integer :: max_iterations = 15, max_cutbacks = 10
     real(dp) :: tolerance_residual = 1.0e-10_dp, tolerance_displacement = 1.0e-8_dp
     logical :: symmetrise = .false., log_residuals = .true.
@@ -62,7 +63,7 @@ contains
     character(len=*), intent(in) :: file
     type(settings), intent(out) :: s
     type(group), allocatable :: groups(:)
-    character(len=*), parameter :: known = '&material, &element, &time, &face, &solver, &output'
+    character(len=*), parameter :: known = '&material, &element, &time, &field, &face, &solver, &output'
     logical :: any_face
     integer :: i
 
@@ -82,6 +83,9 @@ contains
           call read_element(g, s)
         case ('time')
           call read_time(g, s)
+        case ('field')
+          call g%check_names([character(len=5) :: 'time', 'value'])
+          call read_table(g, s%field_time, s%field_value)
         case ('face')
           if (.not. any_face) deallocate (s%faces)
           if (.not. any_face) allocate (s%faces(0))
@@ -108,6 +112,8 @@ contains
     s%props = table_1
     allocate (s%statev_initial(8), source=0.0_dp)
     allocate (s%statev_names(0))
+    s%field_time = [0.0_dp]
+    s%field_value = [0.0_dp]
     s%umat_file = ''
     s%folder = '.'
     allocate (s%faces(3))
@@ -219,7 +225,6 @@ contains
     type(settings), intent(inout) :: s
     type(face_control) :: c
     character(len=:), allocatable :: name, direction, control
-    integer :: i
 
     call g%check_names([character(len=9) :: 'name', 'direction', 'control', 'time', 'value'])
     c%line = g%line
@@ -232,26 +237,51 @@ contains
     control = trim(control_names(control_displacement))
     call g%quoted('control', control)
     c%control = choice(g, 'control', control, control_names)
-    allocate (c%time(0), c%value(0))
-    call g%numbers('time', c%time)
-    call g%numbers('value', c%value)
-
     if (c%control == control_free) then
-      call require(g, size(c%value) == 0, 'value', "control = 'free' takes no value")
+      call require(g, .not. g%has('value'), 'value', "control = 'free' takes no value")
     else if (c%control == control_traction) then
-      call require(g, size(c%value) > 0, 'value', "is missing; control = 'traction' needs it")
+      call require(g, g%has('value'), 'value', "is missing; control = 'traction' needs it")
     end if
-    if (size(c%value) == 0 .and. size(c%time) == 0) c%value = [0.0_dp]
-    if (size(c%value) == 1 .and. size(c%time) == 0) c%time = [0.0_dp]
-    call require(g, size(c%value) == size(c%time), 'value', 'time has '//str(size(c%time))// &
-                 ' numbers, value has '//str(size(c%value))//'; they must be as many')
-    do i = 1, size(c%time)
-      call require(g, abs(c%time(i)) <= most_time, 'time', 'every time must be -1e12 to 1e12')
-      if (i > 1) call require(g, c%time(i) > c%time(i - 1), 'time', 'must increase, but '//exact(c%time(i - 1))// &
-                              ' is followed by '//exact(c%time(i)))
-    end do
+    call read_table(g, c%time, c%value)
     s%faces = [s%faces, c]
   end subroutine read_face
+
+  ! A piecewise linear function of time; a single value is constant, none is 0.
+  subroutine read_table(g, time, value)
+    type(group), intent(in) :: g
+    real(dp), allocatable, intent(out) :: time(:), value(:)
+    integer :: i
+
+    allocate (time(0), value(0))
+    call g%numbers('time', time)
+    call g%numbers('value', value)
+    if (size(value) == 0 .and. size(time) == 0) value = [0.0_dp]
+    if (size(value) == 1 .and. size(time) == 0) time = [0.0_dp]
+    call require(g, size(value) == size(time), 'value', 'time has '//str(size(time))// &
+                 ' numbers, value has '//str(size(value))//'; they must be as many')
+    do i = 1, size(time)
+      call require(g, abs(time(i)) <= most_time, 'time', 'every time must be -1e12 to 1e12')
+      if (i > 1) call require(g, time(i) > time(i - 1), 'time', 'must increase, but '//exact(time(i - 1))// &
+                              ' is followed by '//exact(time(i)))
+    end do
+  end subroutine read_table
+
+  ! Its value at a time, constant beyond its ends.
+  pure function table_value(time, value, at) result(x)
+    real(dp), intent(in) :: time(:), value(:), at
+    real(dp) :: x, w
+    integer :: i
+
+    i = count(time <= at)
+    if (i == 0) then
+      x = value(1)
+    else if (i == size(time)) then
+      x = value(i)
+    else
+      w = (at - time(i))/(time(i + 1) - time(i))
+      x = (1 - w)*value(i) + w*value(i + 1)
+    end if
+  end function table_value
 
   subroutine read_solver(g, s)
     type(group), intent(in) :: g

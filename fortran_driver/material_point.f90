@@ -1,6 +1,7 @@
 ! One material point as an implicit finite-strain host keeps it, and its update by the UMAT.
 module material_point
   use, intrinsic :: iso_fortran_env, only: dp => real64, int64
+  use input, only: table_value
   use text, only: str, stop_run, status_input
   use umat_interface, only: umat_library
   implicit none
@@ -15,6 +16,7 @@ module material_point
     type(umat_library) :: library
     character(len=80) :: cmname
     real(dp), allocatable :: props(:), statev_initial(:)  ! have NPROPS and NSTATV entries
+    real(dp), allocatable :: field_time(:), field_value(:)  ! field variable 1 over time
   end type material
 
   integer, parameter :: analysis_begins = 0, increment_begins = 1, increment_ends = 2, analysis_ends = 3  ! LOP
@@ -99,8 +101,11 @@ contains
     real(dp), intent(out) :: ddsdde(ntens, ntens), pnewdt
     real(dp) :: statev(size(m%statev_initial) + n_beyond)
     real(dp) :: stress(ntens + 3), dstran(ntens), drot(3, 3), rpl, ddsddt(ntens), drplde(ntens), drpldt
+    real(dp) :: predef, dpred
 
     new = old
+    predef = table_value(m%field_time, m%field_value, inc%time)
+    dpred = table_value(m%field_time, m%field_value, inc%time + inc%dtime) - predef
     call hughes_winget(old%F, F, dstran, drot)
     new%stress = components(rotated(tensor(old%stress), drot), 1.0_dp)
     new%strain = components(rotated(strain_tensor(old%strain), drot), 2.0_dp)
@@ -116,7 +121,7 @@ contains
     statev = marked(new%statev)
     call m%library%umat(stress, statev, ddsdde, new%energy(1), new%energy(2), new%energy(3), rpl, ddsddt, &
                 drplde, drpldt, new%strain, dstran, [inc%time, inc%time], inc%dtime, 0.0_dp, 0.0_dp, &
-                [0.0_dp], [0.0_dp], m%cmname, 3, 3, ntens, size(new%statev), marked(m%props), size(m%props), &
+                [predef], [dpred], m%cmname, 3, 3, ntens, size(new%statev), marked(m%props), size(m%props), &
                 coords, drot, pnewdt, length, old%F, F, 1, old%number, 1, 1, [1, 1, 1, 0], inc%number)
     call take_statev('UMAT', statev, new%statev)
     new%stress = stress(:ntens)

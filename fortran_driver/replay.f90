@@ -11,14 +11,15 @@ module replay
   private
   public :: run_replay
 
-  character(len=*), parameter :: known(12) = [character(len=6) :: 'fault', 'ntens', 'dtime', 'pnewdt', 'dfgrd1', &
-    'jhat', 'nprops', 'props', 'nstatv', 'statev', 'ndi', 'nshr']
+  character(len=*), parameter :: known(14) = [character(len=6) :: 'fault', 'ntens', 'dtime', 'pnewdt', 'dfgrd1', &
+    'jhat', 'predef', 'dpred', 'nprops', 'props', 'nstatv', 'statev', 'ndi', 'nshr']
 
   type :: umat_call
     character(len=:), allocatable :: fault  ! what the UMAT said when it wrote the file
     integer :: ntens, ndi, nshr, nprops, nstatv
     real(dp) :: dtime, pnewdt, F(3, 3)
     real(dp) :: J_hat = 1  ! of a mixed element: STRESS(NTENS+1)
+    real(dp) :: predef = 0, dpred = 0  ! field variable 1 and its increment
     real(dp), allocatable :: props(:), statev(:)
   end type umat_call
 
@@ -45,7 +46,7 @@ contains
     pnewdt = c%pnewdt
     cmname = 'MYOGROWTH'
     call umat(stress, c%statev, ddsdde, energy(1), energy(2), energy(3), rpl, ddsddt, drplde, drpldt, zero, &
-              zero, [0.0_dp, 0.0_dp], c%dtime, 0.0_dp, 0.0_dp, [0.0_dp], [0.0_dp], cmname, c%ndi, &
+              zero, [0.0_dp, 0.0_dp], c%dtime, 0.0_dp, 0.0_dp, [c%predef], [c%dpred], cmname, c%ndi, &
               c%nshr, c%ntens, c%nstatv, c%props, c%nprops, [0.0_dp, 0.0_dp, 0.0_dp], identity, pnewdt, 1.0_dp, &
               identity, c%F, 1, 1, 1, 1, [1, 1, 1, 0], 1)
 
@@ -125,6 +126,8 @@ contains
       nine = numbers(g, 'dfgrd1', 9)
       c%F = transpose(reshape(nine, [3, 3]))
       if (g%has('jhat')) c%J_hat = one(g, 'jhat')
+      if (g%has('predef')) c%predef = one(g, 'predef')
+      if (g%has('dpred')) c%dpred = one(g, 'dpred')
       c%props = numbers(g, 'props', c%nprops)
       c%statev = numbers(g, 'statev', c%nstatv)
     end associate

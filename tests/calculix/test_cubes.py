@@ -96,7 +96,7 @@ class Job:
     """A run of ccx in a folder of its own. `steps`: the cards of each *STEP."""
 
     def __init__(self, mesh, steps, props=MUSCLE, n0=(1, 0, 0), in_state=False, material=LIBRARY, fixed="", more=(),
-                 reactions="x+", controls="1.E-9,1.E-7,,,1.E-9,,,1.E-13", threads=1):
+                 reactions="x+", controls="1.E-9,1.E-7,,,1.E-9,,,1.E-13", threads=1, constants=None):
         props = (*props, *((0, 0, 1) if in_state else n0), *more)
         deck = "*NODE,NSET=ALL\n" + "".join(f"{n},{x},{y},{z}\n" for n, (x, y, z) in mesh.where.items())
         deck += f"*ELEMENT,TYPE={mesh.kind},ELSET=E\n"
@@ -105,8 +105,8 @@ class Job:
         for face in FACES:
             deck += f"*NSET,NSET={set_name(face)}\n" + numbered(mesh.on(face))
         deck += "*NSET,NSET=SURFACE\n" + numbered(mesh.boundary())
-        deck += f"*MATERIAL,NAME={material}\n*USER MATERIAL,CONSTANTS={len(props)}\n" + numbered(props)
-        deck += ("0.\n" if len(props) % 8 == 0 else "") + "*DEPVAR\n8\n"
+        n, lines = constants or (len(props), numbered(props) + ("0.\n" if len(props) % 8 == 0 else ""))
+        deck += f"*MATERIAL,NAME={material}\n*USER MATERIAL,CONSTANTS={n}\n{lines}*DEPVAR\n8\n"
         deck += f"*SOLID SECTION,ELSET=E,MATERIAL={material}\n"
         if in_state:  # ccx 2.20 reads one point per card, and six variables
             for element, point in itertools.product(range(len(mesh.elements)), range(INTEGRATION_POINTS[mesh.kind])):
@@ -193,13 +193,13 @@ def element(faces, dt, duration, n0=(1, 0, 0), reaction=("x+", "x")):
     return driver(text=text + f"&output reaction_face = '{reaction[0]}' reaction_direction = '{reaction[1]}' /\n")
 
 
-def path(rows, n0, more=()):
+def path(rows, n0, more=(), muscle=MUSCLE):
     """The driver's single point along rows of (time, F)."""
     text = "time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n0,1,0,0,0,1,0,0,0,1\n"
     text += "".join(",".join(map(repr, (t, *itertools.chain(*F)))) + "\n" for t, F in rows)
     with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:
         case = pathlib.Path(folder) / "case.nml"
-        case.write_text(f"&material props = {', '.join(map(str, (*MUSCLE, *n0, *more)))} /\n")
+        case.write_text(f"&material props = {', '.join(map(str, (*muscle, *n0, *more)))} /\n")
         return driver(case, "--path", text=text)[1:]
 
 
@@ -310,6 +310,52 @@ def rotation(axis, angle):
 
 def multiply(A, B):
     return [[sum(A[i][k] * B[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+class Laws(Compared):
+    """The other elastic laws by the short order that has room in CalculiX's 21 constants, active and growing."""
+
+    F = [[1.12, 0.1, 0], [0, 1.02, 0.05], [0, 0, 0.9]]
+    PARAMETERS = {1: (1e7, 1e7, 1e8, 3e8, 2e8, 1.3, 0.05, 6), 2: (5e6, 5e6, 1e8, 3e8, 1.3, 0.05, 6.6, 1.4, 0, 0, 1),
+                  3: (19.69, 1.19, 1.6e6, 20, 0.7388, 7e7, 0.682, 1.192)}  # in mPa
+    GROWTH = MUSCLE[2:]
+
+    def rows(self, law, activation, F, energy=0):
+        at = lambda t: [[(i == j) + min(t, 1) * (F[i][j] - (i == j)) for j in range(3)] for i in range(3)]
+        rows = path([(0.1 * i, at(0.1 * i)) for i in range(1, 21)], OBLIQUE, muscle=(0, 0, *self.GROWTH),
+                    more=(0, energy, *[0] * 7, law, activation, *self.PARAMETERS[law]))
+        for row in rows:  # on x+, force per reference area along x: sigma (F e2 x F e3)
+            G = at(row["time"])
+            e2, e3 = ([line[j] for line in G] for j in (1, 2))
+            area = [e2[i - 2] * e3[i - 1] - e2[i - 1] * e3[i - 2] for i in range(3)]
+            row["reaction"] = sum(row[s] * a for s, a in zip(("s11", "s12", "s13"), area))
+        return rows
+
+    def test_each_law(self):
+        mesh = Mesh("C3D8", 2)
+        for law in (1, 2, 3):
+            for material in (LIBRARY, "@MYOGROWTH_NATIVE"):
+                job = Job(mesh, [static(0.1, 1) + affine(mesh, self.F), static(0.1, 1)], props=(0.2, -law, *self.GROWTH),
+                          n0=OBLIQUE, more=(*self.PARAMETERS[law], 1), material=material)
+                self.expect_same(job, self.rows(law, 0.2, self.F, energy=1), 0, f"law {law}, {material}")
+
+    def test_the_activation_may_follow_the_temperature(self):
+        """Constants that depend on temperature: 0 and 1 at the temperatures 0 and 1."""
+        mesh, law = Mesh("C3D8", 2), 1
+        constants = [numbered((a, -law, *self.GROWTH, *OBLIQUE, *self.PARAMETERS[law], 0, a)) for a in (0.0, 1.0)]
+        fixed = "*INITIAL CONDITIONS,TYPE=TEMPERATURE\nALL,0.3\n"
+        identity = [[float(i == j) for j in range(3)] for i in range(3)]
+        job = Job(mesh, [static(0.1, 1) + affine(mesh, identity) + "*TEMPERATURE\nALL,0.3\n"], n0=OBLIQUE, fixed=fixed,
+                  constants=(18, "".join(constants)))
+        expected = path([(0.1, identity)], OBLIQUE, muscle=(0, 0, *self.GROWTH),
+                        more=(*[0] * 9, law, 0.3, *self.PARAMETERS[law]))[0]["s11"]
+        self.assertAlmostEqual(job.read()[0.1][0][0] / expected, 1, delta=1e-5)
+
+    def test_what_is_wrong_is_named(self):
+        for props, words in (((1.2, -1), "PROPS(20) = 1.2: activation"), ((0.2, 0), "PROPS(2) = 0: c2")):
+            job = Job(Mesh("C3D8", 1), [static(0.1, 1)], props=(*props, *self.GROWTH), fixed=ROLLER_CARDS)
+            self.assertEqual(job.status, 201)
+            self.assertIn(words, job.screen)
 
 
 class Traction(Compared):

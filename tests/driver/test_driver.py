@@ -158,6 +158,37 @@ class Cases(unittest.TestCase):
         for row in rows[1:]:
             self.assertAlmostEqual(row["reaction"], min(row["time"], 2), delta=1e-9)  # the pull on a unit face
 
+    FREE = """
+&material props = 0, 0, 0.5, 2, 1.1, 2, 0, 0, 1, 9*0.0, 3, -1 /
+&time duration = 1 dt = 0.05 /
+&field time = 0, 1 value = 0, 0.16705 /
+&face name = 'x-' /
+&face name = 'y-' /
+&face name = 'z-' /
+&solver max_iterations = 100 /
+"""
+
+    def test_4C(self):
+        """The values of 4C's own regression tests of law 3: contracted by the field variable, and compressed."""
+        run = Run(text=self.FREE)
+        self.assertEqual(run.status, 0, run.errors)
+        self.assertAlmostEqual(run.rows()[-1]["lambda"] - 1, -0.31358536573847257, delta=1e-9)
+        passive = self.FREE.replace("3, -1 /", "3, 0, 15, 1, 5, 100, 0.8 /").replace("dt = 0.05", "dt = 0.25").replace(
+            "&solver", "&face name = 'z+' time = 0, 1 value = 0, -0.5 /\n&solver tolerance_residual = 1e-12")
+        run = Run(text=passive)
+        self.assertEqual(run.status, 0, run.errors)
+        self.assertAlmostEqual(run.rows()[-1]["s33"], -25.913195669478583, delta=1e-12)
+
+    def test_the_field_variable_follows_its_table(self):
+        """As a number and as a table that is constant, the activation is the same; increments end at its knots."""
+        number = Run(CASES / "active_oblique.nml").rows()
+        field = Run(CASES / "active_oblique.nml", edit={"1.0, 0.1,": "1.0, -1.0,", "&time": "&field value = 0.1 /\n&time"}).rows()
+        self.assertEqual(number, field)
+        run = Run(CASES / "active_oblique.nml", edit={"1.0, 0.1,": "1.0, -1.0,",
+                                                      "&time": "&field time = 0, 0.7 value = 0.1, 0.11 /\n&time"})
+        self.assertIn(0.7, [r["time"] for r in run.rows("newton.log")])
+        self.assertNotEqual(run.rows()[-1]["s11"], number[-1]["s11"])
+
     def test_cutback(self):
         run = Run(CASES / "cutback.nml")
         self.assertEqual(run.status, 0)
@@ -401,6 +432,22 @@ class Replay(unittest.TestCase):
         found = re.search(rf"^{re.escape(name)} +(.*)$", run.screen, re.M)
         return [float(x) for x in found.group(1).split()]
 
+    def test_the_field_variable_is_kept(self):
+        case = Cases.FREE.replace("0, 0.16705", "0.1, 1.4").replace("dt = 0.05", "dt = 1").replace(
+            "max_iterations = 100", "max_cutbacks = 0")
+        self.assertEqual(Run(text=case, dump=self.folder).status, 2)
+        text = self.dump.read_text()
+        self.assertRegex(text, r"\n  predef = 0\.\d+  ! field variable 1, the activation\n  dpred = 1\.\d+  ! its increment\n")
+        again = self.replay()
+        self.assertIn("PROPS(20) = -1, field variable 1 = 1.4", again.screen + again.errors)
+        self.assertIn("verdict: refused", again.screen)
+        healthy = self.replay(re.sub("dpred = .*", "dpred = 0.1", text))
+        self.assertIn("verdict: a result", healthy.screen)
+        number = self.replay(re.sub(r"-1, *! 20", "0.1,  ! 20", re.sub(r"-1  ! 20", "0.1  ! 20", re.sub(
+            "  predef = .*\n  dpred = .*\n", "", text))))
+        other = self.replay(re.sub("predef = .*", "predef = 0.1", re.sub("dpred = .*", "dpred = 0", text)))
+        self.assertEqual(self.values(number, "STRESS"), self.values(other, "STRESS"))
+
     def test_a_row_of_a_path(self):
         ordinary = self.path(self.HEALTHY, dump=self.folder)
         self.assertEqual((ordinary.status, list(self.folder.iterdir())), (0, []))
@@ -522,6 +569,9 @@ class InputErrors(unittest.TestCase):
     def test_tables(self):
         self.expect("&face name = 'x+'\n time = 0, 1, 1\n value = 0, 1, 2 /\n", "case.nml:2: &face: time", "increase")
         self.expect("&face name = 'x+'\n time = 0, 1\n value = 0, 1, 2 /\n", "case.nml:3: &face: value", "2 numbers")
+        self.expect("&field\n time = 0, 1\n value = 0.5 /\n", "case.nml:3: &field: value", "2 numbers")
+        self.expect("&field value = 0 /\n&field value = 1 /\n", "case.nml:2: &field: given already in line 1")
+        self.expect("&field face = 1 /\n", 'case.nml:1: &field: unknown variable "face"; known: time value')
 
     def test_structure(self):
         self.expect("&time\n dt = 1\n", "case.nml:1: &time: is not closed by /")
