@@ -2,14 +2,14 @@
 /// The exact flow of the growth law (paper, eq. 4) at a stretch that is held: the second-order time step.
 ///
 /// With the stretch held, eq. 4 is autonomous, and the time to get from G_n to G is an integral. Let u be the
-/// distance from G to where growth ends, min(G_max, lambda/lambda_crit), and w = ln(u_n/u):
+/// distance from G to where growth ends, min(G_max, lambda/lambda_crit):
 ///
-///   dt k_g(G_n) = Int_0^w g u / (kappa q) dw',   kappa = (room/room_n)^gamma,   q = lambda - lambda_crit g
+///   dt k_g(G_n) = Int_u^u_n g / (kappa q) du',   kappa = (room/room_n)^gamma,   q = lambda - lambda_crit g
 ///
-/// In w the integrand is smooth and grows at most like exp(gamma w), whatever dt: ten Gauss points a panel
-/// give it to rounding, and the w at which it reaches the left side is found by Newton's method. G stays
-/// within the bounds of the backward-Euler step by construction, for any dt. Taken at the stretch of the
-/// middle of the step, the flow is of second order (docs/theory.md).
+/// The integrand has its poles at u = 0 or beyond. So ten Gauss points give it to rounding on panels that go
+/// a fixed part of what is left of u, whatever dt, and the u at which it reaches the left side is found by
+/// Newton's method. G stays within the bounds of the backward-Euler step by construction, for any dt. Taken
+/// at the stretch of the middle of the step, the flow is of second order (docs/theory.md).
 #ifndef MYOGROWTH_GROWTH_FLOW_HPP
 #define MYOGROWTH_GROWTH_FLOW_HPP
 
@@ -26,14 +26,14 @@
 namespace myogrowth {
 namespace detail {
 
-/// The ten-point Gauss-Legendre rule: points +-point[i] with weight[i], on [-1, 1] (Abramowitz and Stegun,
+/// Half of a Gauss-Legendre rule of 2 n points: +-point[i] with weight[i], on [-1, 1] (Abramowitz and Stegun,
 /// table 25.4).
-template <class V>
+template <class V, int n>
 struct GaussRule {
-  V point[5], weight[5];
+  V point[n], weight[n];
 };
 template <class V>
-MYOGROWTH_FUNCTION constexpr GaussRule<V> gauss_rule() {
+MYOGROWTH_FUNCTION constexpr GaussRule<V, 5> gauss_rule() {
   return {{V(0.14887433898163121088482600112972L), V(0.43339539412924719079926594316579L),
            V(0.67940956829902440623432736511487L), V(0.86506336668898451073209668842349L),
            V(0.97390652851717172007796401208445L)},
@@ -41,12 +41,18 @@ MYOGROWTH_FUNCTION constexpr GaussRule<V> gauss_rule() {
            V(0.21908636251598204399553493422816L), V(0.14945134915058059314586339765770L),
            V(0.06667134430868813759356880989333L)}};
 }
+/// Of four points, for a start.
+template <class V>
+MYOGROWTH_FUNCTION constexpr GaussRule<V, 2> rough_gauss_rule() {
+  return {{V(0.33998104358485626480266575910324L), V(0.86113631159405257522394648889281L)},
+          {V(0.65214515486254614262693605077800L), V(0.34785484513745385737306394922200L)}};
+}
 
-/// How long a panel is: short against the growth of the integrands for gamma <= 100, and bounded below, so
-/// that the number of panels is bounded.
+/// The part of u that a panel goes: for gamma <= 100 ten points then leave 3e-17 of the integrals at most
+/// (relative; where the poles are at u = 0).
 template <class V>
 MYOGROWTH_FUNCTION V flow_panel(V gamma) {
-  return 4 / (4 + (gamma < 100 ? gamma : V(100)));
+  return V(1.6) / (4 + (gamma < 100 ? gamma : V(100)));
 }
 
 /// The flow from G_n towards its end, in the lanes that move.
@@ -71,63 +77,78 @@ struct Flow {
     a = select(moves, dt, zero) * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
   }
 
-  /// Where it is at w.
+  /// Where it is at u.
   struct At {
-    T kappa, q, g, u;
-    /// dw over da.
-    MYOGROWTH_FUNCTION T speed() const { return kappa * q / (g * u); }
+    T room, kappa, q, g;
+    /// Distance over time.
+    MYOGROWTH_FUNCTION T speed() const { return kappa * q / g; }
   };
-  MYOGROWTH_FUNCTION At at(const T& w) const {
-    const T u = u_n * exp(T(-w));
-    return {b.to_gamma(T((room_end + u) * per_r)), q_end + T(b.crit) * u, b.on(end, T(-u)), u};
+  MYOGROWTH_FUNCTION At at(const T& u) const {
+    const T room = room_end + u;
+    return {room, b.to_gamma(T(room * per_r)), q_end + T(b.crit) * u, b.on(end, T(-u))};
   }
 
-  /// Integrals over a part from w on of g u/(kappa q), the time, and of g u/(kappa q^2), from which
+  /// Integrals from u on over a distance y: of g/(kappa q), the time, and of g/(kappa q^2), from which
   /// dG/dlambda comes.
   struct Integrals {
     T time, sensitivity;
   };
-  MYOGROWTH_FUNCTION Integrals integrate(const T& w, const T& part) const {
-    const GaussRule<V> rule = gauss_rule<V>();
-    const T half = part * T(V(0.5)), middle = w + half;
+  template <int n>
+  MYOGROWTH_FUNCTION Integrals integrate(const GaussRule<V, n>& rule, const T& u, const T& y) const {
+    const T half = y * T(V(0.5)), middle = u - half;
     Integrals sum{T(V(0)), T(V(0))};
-    for (int i = 0; i < 10; ++i) {
-      const At there = at(middle + half * T(i < 5 ? rule.point[i] : -rule.point[i - 5]));
+    for (int i = 0; i < 2 * n; ++i) {
+      const At there = at(middle + half * T(i < n ? rule.point[i] : -rule.point[i - n]));
       const T per_kappa_q = T(V(1)) / (there.kappa * there.q), per_q = rounded(T(there.kappa * per_kappa_q));
-      const T f = T(rule.weight[i % 5]) * there.g * there.u * per_kappa_q;
+      const T f = T(rule.weight[i % n]) * there.g * per_kappa_q;
       sum.time = sum.time + f;
       sum.sensitivity = sum.sensitivity + f * per_q;
     }
     return {sum.time * half, sum.sensitivity * half};
   }
+
+  /// How far it goes from u on in a time, by the series of the time to third order in the distance, as a
+  /// quotient. At most `most`.
+  MYOGROWTH_FUNCTION T distance(const T& u, const T& time, const T& most) const {
+    const At here = at(u);
+    const T zero(V(0)), one(V(1)), gamma(b.gamma);
+    const T per_room = one / here.room, per_q = T(b.crit) / here.q, per_g = one / here.g;
+    const T l = T(V(sign)) * per_g + gamma * per_room + per_q;  // (ln dtime/ddistance)', and its derivative
+    const T dl = gamma * per_room * per_room + per_q * per_q - per_g * per_g;
+    const T first = time * (here.kappa * here.q * per_g);
+    const T divisor = one + first * (l * T(V(0.5)) + first * (dl * T(V(1) / 6) - l * l * T(V(1) / 12)));
+    const LaneMask<T> is_valid = divisor > zero;
+    return minimum(T(select(is_valid, first, most) / rounded(select(is_valid, divisor, one))), most);
+  }
 };
 
-/// How g the flow has come: the whole panels behind it, and its part of the panel that it ends in.
+/// How far the flow has come: the whole panels behind it, and its distance in the panel that it ends in.
 template <class T>
 struct FlowProgress {
-  T w, to_go, sensitivity;  ///< at the beginning of that panel: w, what is left of a, the integral so g
-  T part;
-  LaneMask<T> ended;  ///< what is left of the way is below rounding: the end is reached
-  LaneMask<T> left;   ///< lanes of a pack that take too many panels
+  T u, to_go, sensitivity;  ///< at the beginning of that panel: u, what is left of a, the integral so far
+  T y;                      ///< distance in that panel
+  LaneMask<T> ended;        ///< what is left of the way is below rounding: the end is reached
+  LaneMask<T> left;         ///< lanes of a pack that take too many panels
 };
 
 /// Passes whole panels in the lanes `beyond`, until each is in the panel that it ends in.
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowProgress<T> pass_panels(const Flow<T, V, sign>& flow, T panel,
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowProgress<T> pass_panels(const Flow<T, V, sign>& flow, V panel,
                                                                   FlowProgress<T> p, LaneMask<T> beyond,
                                                                   int most, int& iterations) {
-  const T below_rounding = log(T(flow.u_n / (flow.end * T(last_place<V>() / 8)))) + panel;
-  const T w_end = minimum(below_rounding, T(2 * log((std::numeric_limits<V>::max)())));  // for an end near 0
+  const V rest = 1 - panel;
+  const T u_end = maximum(T(flow.end * T(last_place<V>() / 8 * rest)), T((std::numeric_limits<V>::min)()));
   for (int i = 0; i < most && any(beyond); ++i) {
     ++iterations;
-    const auto whole = flow.integrate(p.w, panel);
+    const T y = p.u * T(panel);
+    const auto whole = flow.integrate(gauss_rule<V>(), p.u, y);
     const LaneMask<T> is_number = whole.time >= T(V(0)), passes = beyond & (whole.time < p.to_go);
     const LaneMask<T> stops = beyond & is_number & !passes;
-    p.part = select(stops, T(panel * (p.to_go / rounded(select(stops, whole.time, panel)))), p.part);
+    p.y = select(stops, T(y * (p.to_go / rounded(select(stops, whole.time, y)))), p.y);
     p.to_go = select(passes, T(p.to_go - whole.time), p.to_go);
     p.sensitivity = select(passes, T(p.sensitivity + whole.sensitivity), p.sensitivity);
-    p.w = select(passes, T(p.w + panel), p.w);
-    const LaneMask<T> at_end = !(is_number & (p.w < w_end));  // not a number: out of range, at the end
+    p.u = select(passes, T(p.u * T(rest)), p.u);
+    const LaneMask<T> at_end = !(is_number & (p.u > u_end));  // not a number: out of range, at the end
     p.ended = p.ended | (beyond & at_end);
     beyond = passes & !at_end;
   }
@@ -148,35 +169,34 @@ struct FlowResult {
 template <class V, int sign>
 MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void find_in_bracket(const Flow<V, V, sign>& flow, V panel,
                                                            FlowProgress<V>& p, int& iterations) {
-  constexpr int most_panels = 100000;  // more than w_end has
+  constexpr int most_panels = 200000;  // more than there are
   p.left = false;
   if (!is_finite(flow.a)) p.ended = true;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
   if (!p.ended) p = pass_panels(flow, panel, p, true, most_panels, iterations);
   if (p.ended) return;
   const V start = p.sensitivity;
-  V low = 0, high = panel;
+  V low = 0, high = p.u * panel;
   for (int i = 0; i < 100; ++i) {
     ++iterations;
-    const auto some = flow.integrate(p.w, p.part);
-    const V step = (p.to_go - some.time) * flow.at(p.w + p.part).speed();
-    (step > 0 ? low : high) = p.part;
-    V next = p.part + step;
+    const auto some = flow.integrate(gauss_rule<V>(), p.u, p.y);
+    const V step = (p.to_go - some.time) * flow.at(p.u - p.y).speed();
+    (step > 0 ? low : high) = p.y;
+    V next = p.y + step;
     if (!(next > low && next < high)) next = (low + high) / 2;
-    const V moved = abs(V(next - p.part));
-    p.part = next;
-    p.sensitivity = start + some.sensitivity;
-    if (moved <= 4 * last_place<V>() * (p.w + p.part)) break;
+    const V moved = abs(V(next - p.y));
+    p.y = next;
+    if (moved <= 4 * last_place<V>() * (p.u < flow.u_n ? p.u : p.y)) break;
   }
-  p.sensitivity = start + flow.integrate(p.w, p.part).sensitivity;
+  p.sensitivity = start + flow.integrate(gauss_rule<V>(), p.u, p.y).sensitivity;
   if (!is_finite(p.sensitivity)) p.ended = true;  // so near the end that 1/kappa is beyond all numbers
 }
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>& flow, const T& panel, FlowProgress<T>& p,
-                              int& iterations, std::true_type) {
+MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>& flow, V panel, FlowProgress<T>& p, int& iterations,
+                              std::true_type) {
   if (p.left) find_in_bracket(flow, panel, p, iterations);
 }
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>&, const T&, FlowProgress<T>&, int&, std::false_type) {}
+MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>&, V, FlowProgress<T>&, int&, std::false_type) {}
 /// @}
 
 template <class T, class V, int sign>
@@ -185,34 +205,35 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, La
   moves = moves & b.precedes(G_n, b.end(lambda));  // but for rounding, all that are asked for
   constexpr V epsilon = last_place<V>();
   constexpr bool is_number = std::is_same<T, V>::value;
-  constexpr int most_panels = is_number ? 100000 : 16;
-  const T zero(V(0)), one(V(1)), panel(flow_panel(b.gamma)), gamma(b.gamma), crit(b.crit);
+  constexpr int most_panels = is_number ? 200000 : 32;
+  const V panel = flow_panel(b.gamma);
+  const T zero(V(0)), one(V(1)), gamma(b.gamma), crit(b.crit);
   const Flow<T, V, sign> flow(b, moves, G_n, lambda, dt);
 
-  // A step that ends in the first panel, as most do, starts from the series of the time to second order in w.
-  const T relative = flow.u_n / G_n, q_n = flow.q_end + crit * flow.u_n;
-  const T to_first_order = flow.a * q_n / (G_n * flow.u_n);
-  const T growth = T(V(sign)) * relative + gamma * flow.u_n * flow.per_r + crit * flow.u_n / q_n - one;
-  const T divisor = one + growth * to_first_order * T(V(0.5));
-  const T series =
-      select(divisor > zero, to_first_order, panel) / rounded(select(divisor > zero, divisor, one));
-  const LaneMask<T> none = one < zero;
-  const LaneMask<T> beyond = moves & !((zero <= series) & (series < panel * T(V(0.9))));
-  FlowProgress<T> p{zero, flow.a, zero, select(beyond, panel, series), none, none};
+  // A step that ends in the first panel, as most do, starts from the series.
+  const T whole = flow.u_n * T(panel), series = flow.distance(flow.u_n, flow.a, whole);
+  const LaneMask<T> none = one < zero, beyond = moves & !((zero <= series) & (series < whole * T(V(0.9))));
+  FlowProgress<T> p{flow.u_n, flow.a, zero, select(beyond, whole, series), none, none};
   int iterations = 0;
   if (any(beyond)) p = pass_panels(flow, panel, p, beyond, most_panels, iterations);
-
-  // Newton's method for the part of the panel.
-  const T before = p.sensitivity, curvature = relative + (gamma + T(V(4)));
   LaneMask<T> active = moves & !p.ended & !p.left;
+
+  // Then by an integral with few points: what it leaves is so little that Newton's method mostly takes one
+  // step.
+  const T rough = flow.integrate(rough_gauss_rule<V>(), p.u, p.y).time;
+  const T in_panel = p.u * T(panel), per_u = one / p.u, before = p.sensitivity;
+  const T better = p.y + flow.distance(T(p.u - p.y), select(active, T(p.to_go - rough), zero), in_panel);
+  p.y = minimum(maximum(better, zero), in_panel);
+  const T curvature = p.u / G_n + (gamma + T(V(4)));
   for (int i = 0; i < 8 && any(active); ++i) {
     ++iterations;
-    const auto some = flow.integrate(p.w, p.part);
-    const auto here = flow.at(p.w + p.part);
-    const T speed = here.speed(), step = (p.to_go - some.time) * speed, next = p.part + step;
-    const LaneMask<T> inside = (zero <= next) & (next <= panel);
-    const LaneMask<T> last = curvature * step * step < T(epsilon / 4) * (p.w + next);
-    p.part = select(active & inside, next, p.part);
+    const auto some = flow.integrate(gauss_rule<V>(), p.u, p.y);
+    const auto here = flow.at(p.u - p.y);
+    const T step = (p.to_go - some.time) * here.speed(), next = p.y + step;
+    const LaneMask<T> inside = (zero <= next) & (next <= in_panel);
+    const T part = step * per_u;
+    const LaneMask<T> last = curvature * part * part * flow.u_n < T(epsilon / 4) * (flow.u_n - p.u + next);
+    p.y = select(active & inside, next, p.y);
     p.sensitivity =
         select(active, T(before + some.sensitivity + (p.to_go - some.time) / here.q), p.sensitivity);
     p.left = p.left | (active & !inside);
@@ -222,10 +243,10 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, La
   p.sensitivity = select(p.left, before, p.sensitivity);
   go_on(flow, panel, p, iterations, std::is_same<T, V>());
 
-  const T w = p.w + select(p.left | p.ended, zero, p.part);
-  const auto last = flow.at(w);
-  const T speed = last.kappa * last.q / last.g;
-  const T G = b.on(G_n, T(-flow.u_n * expm1(T(-w))));
+  const T y = select(p.left | p.ended, zero, p.y);
+  const auto last = flow.at(p.u - y);
+  const T speed = last.speed(), q_n = flow.q_end + crit * flow.u_n;
+  const T G = b.on(G_n, T((flow.u_n - p.u) + y));
   const T crossed = select(flow.q_end > zero, zero, T(one / crit));  // dG/dlambda at the end
   return {select(p.ended, flow.end, select(moves, b.last(b.first(G, flow.end), G_n), G_n)),
           select(p.ended, crossed, select(moves, T(speed * p.sensitivity), zero)),

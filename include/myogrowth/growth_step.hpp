@@ -482,8 +482,12 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const LaneMask<T>& moves,
                                                 const T& G_n, const T& lambda, const T& dt) {
-  const SolvedStep<T> found = few_steps(b, moves, G_n, lambda, dt);
-  return any(found.left) ? solve_further(b, moves, G_n, lambda, dt, found) : found;
+  SolvedStep<T> step = few_steps(b, moves, G_n, lambda, dt);
+  if (any(step.left)) {
+    const SolvedStep<T> further = solve_further(b, moves, G_n, lambda, dt, step);
+    step = further;
+  }
+  return step;
 }
 
 /// The step of a number.

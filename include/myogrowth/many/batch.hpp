@@ -487,7 +487,9 @@ std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first
       if (next > last) next = last;
       bad[0] = update_padded<tangent, measure, N>(common, i, static_cast<int>(next - i), in, out);
     }
-    for (std::ptrdiff_t start = i; start < next; start += width) {
+    unsigned some = bad[0];
+    for (int k = 1; k < registers; ++k) some |= bad[k];
+    for (std::ptrdiff_t start = i; start < next && some != 0; start += width) {
       unsigned lanes = bad[(start - i) / width];
       for (std::ptrdiff_t point = start; lanes != 0; ++point, lanes >>= 1) {
         if (lanes & 1) failed += update_apart<tangent, measure>(material, point, in, out) != UpdateStatus::ok;
