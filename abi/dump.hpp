@@ -106,7 +106,7 @@ inline void dump(const UmatCall& call, const char* fault) {
     const int length = std::snprintf(path, sizeof path, "%s/umat_%d.nml", folder, ++number);
     errno = ENAMETOOLONG;
     if (length < 0 || length >= static_cast<int>(sizeof path)) break;
-    file = std::fopen(path, "wx");  // x: of two threads or processes, one alone gets the name
+    file = std::fopen(path, "wx");  // x: of two threads or processes, only one gets the name
   } while (!file && errno == EEXIST && number < most_names);
   if (file) {
     write_call(file, number, call, fault);

@@ -126,10 +126,11 @@ int myogrowth_check(const double* props, int n_props, char* message, int message
 /// tangent, energy and message may be NULL, and are not made then.
 ///
 /// The entry `frame` of props, for hosts with a basis that turns with the material, goes with
-/// MYOGROWTH_CAUCHY alone.
+/// MYOGROWTH_CAUCHY only.
 ///
 /// Returns a myogrowth_status. On failure state_out is not touched, and stress, tangent and energy become
-/// NaN, so that no host can go on unawares (unless the measure is unknown, and so their size).
+/// NaN, so that a host that ignores the status cannot continue silently (not where the measure, and so their
+/// size, is unknown).
 int myogrowth_update(const double* props, int n_props, const double F[9], const double* state_in,
                      double* state_out, int n_state, double dt, int measure, double* stress, double* tangent,
                      double* energy, char* message, int message_length);

@@ -50,7 +50,7 @@ void report(const char* text) {
 bool find_fault(const Block& b, abi::Common& common, abi::Text& text) {
   if (b.ndir != 3 || b.nshr != 3) {
     return abi::tell(text,
-                     "NDIR, NSHR = %d, %d: this version has 3, 3 alone (solid elements: C3D8R, C3D10M, ...).",
+                     "NDIR, NSHR = %d, %d: this version has 3, 3 only (solid elements: C3D8R, C3D10M, ...).",
                      b.ndir, b.nshr);
   }
   return abi::find_call_fault("Abaqus/Explicit", "NSTATEV", b.props, b.nprops, b.has_fields, b.nstatev,

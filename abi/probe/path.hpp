@@ -22,7 +22,7 @@ inline Complex polar(double size, double angle) { return {size * std::cos(angle)
 inline double abs(Complex a) { return std::hypot(a.re, a.im); }
 inline double arg(Complex a) { return std::atan2(a.im, a.re); }
 
-// To t = 2: F11 alone is prescribed, 1e-4 up and down, F22 and F33 are free, so that the host has to solve
+// To t = 2: only F11 is prescribed, 1e-4 up and down, F22 and F33 are free, so that the host has to solve
 // with DDSDDE. To t = 4: stretch and shear. To t = 10: a rigid rotation of 90 degrees about axis 3, in
 // unequal parts. F33 grows all the way from t = 2; no turn of the basis about axis 3 and no transposition
 // changes it: it is the clock.

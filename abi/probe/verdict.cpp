@@ -216,9 +216,9 @@ void write_tangent(std::FILE* f) {
       "Transpose it in between, if the host has no switch.",
       "is used symmetrised: right results, slower convergence. Ask "
       "for the unsymmetric solver (Abaqus: UNSYMM).",
-      "is used by its upper triangle alone: right results, slower "
+      "is used by its upper triangle only: right results, slower "
       "convergence. Ask for the unsymmetric solver.",
-      "is used by its lower triangle alone: right results, slower "
+      "is used by its lower triangle only: right results, slower "
       "convergence. Ask for the unsymmetric solver."};
   int votes = 0, best = 0;
   for (int use = 0; use < n_uses; ++use) {

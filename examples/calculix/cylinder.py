@@ -171,7 +171,7 @@ def run_leg(a, folder, name, mesh, gauss, end, progress):
                 reaction = None
 
     with open(log, "wb") as out:
-        # In a session of its own, so that Ctrl-C comes to us alone and we end it.
+        # In a session of its own, so that Ctrl-C comes only to us and we end it.
         ccx = subprocess.Popen([a.ccx.resolve(), name], cwd=folder, stdout=out, stderr=subprocess.STDOUT,
                                stdin=subprocess.DEVNULL, env=environment, start_new_session=True, pass_fds=files.locks())
         try:

@@ -74,7 +74,7 @@ def leg_times(case):
 
 
 def steps_of_leg(case, start, end, end_layer):
-    """The two steps of a leg: all its increments but the last, and the last, which alone writes the fields.
+    """The two steps of a leg: all its increments but the last, and the last, the only one that writes the fields.
 
     end_layer [mm]: height of the last layer. CalculiX starts its iterations with all of the first displacement in that
     layer; a first increment of more than half its height can turn it inside out.

@@ -346,7 +346,7 @@ void Muscle::read_checkpoint() {
   costs_.steps = static_cast<int>(header.steps);
 }
 
-/// A run that starts anew keeps what another one has left as checkpoint.old: nobody is to go on from it by
+/// A run that starts anew keeps what another one has left as checkpoint.old: no run is to go on from it by
 /// mistake.
 void Muscle::put_checkpoint_aside() const {
   on_first(comm_, [&] {

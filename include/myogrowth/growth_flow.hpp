@@ -171,7 +171,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void find_in_bracket(const Flow<V, V, sign
                                                            FlowProgress<V>& p, int& iterations) {
   constexpr int most_panels = 200000;  // more than there are
   p.left = false;
-  if (!is_finite(flow.a)) p.ended = true;  // (dt, or a gamma so large that k_g(G_n) is beyond all numbers)
+  if (!is_finite(flow.a)) p.ended = true;  // (dt, or a gamma so large that k_g(G_n) is infinite)
   if (!p.ended) p = pass_panels(flow, panel, p, true, most_panels, iterations);
   if (p.ended) return;
   const V start = p.sensitivity;
@@ -188,7 +188,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void find_in_bracket(const Flow<V, V, sign
     if (moved <= 4 * last_place<V>() * (p.u < flow.u_n ? p.u : p.y)) break;
   }
   p.sensitivity = start + flow.integrate(gauss_rule<V>(), p.u, p.y).sensitivity;
-  if (!is_finite(p.sensitivity)) p.ended = true;  // so near the end that 1/kappa is beyond all numbers
+  if (!is_finite(p.sensitivity)) p.ended = true;  // so near the end that 1/kappa is infinite
 }
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>& flow, V panel, FlowProgress<T>& p, int& iterations,

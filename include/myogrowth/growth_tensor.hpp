@@ -8,7 +8,7 @@
 
 namespace myogrowth {
 
-/// Growth tensor F_g = I + (G - 1) n0⊗n0: sarcomeres are added in series, along the fibre alone.
+/// Growth tensor F_g = I + (G - 1) n0⊗n0: sarcomeres are added in series, only along the fibre.
 template <class T>
 Mat3<T> growth_tensor(const Vec3<T>& n0, const T& G) {
   return Mat3<T>::Identity() + (G - Real<T>(1)) * n0 * n0.transpose();

@@ -5,7 +5,7 @@
 /// (complex-step derivatives) or a forward dual number. A scalar of your own needs + - * / with itself and
 /// with the real type under it, `sqrt`, `log1p`, `pow(x, exponent)`, and `value(x)`, found by
 /// argument-dependent look-up; the laws of elastic/ also need `exp`, `expm1` and `log`. `value` gives the
-/// real number that decides: all comparisons and the local iteration see it alone, so that a derivative
+/// real number that decides: all comparisons and the local iteration see only it, so that a derivative
 /// carried beside it can never change the path taken.
 #ifndef MYOGROWTH_SCALAR_HPP
 #define MYOGROWTH_SCALAR_HPP
@@ -270,7 +270,7 @@ template <class T>
 MYOGROWTH_FUNCTION bool are_finite(const T* x, int n) {
   Real<T> sum(0);
   for (int i = 0; i < n; ++i) sum += value(x[i]);
-  if (is_finite(sum)) return true;  // else one is not, or the sum alone overflowed
+  if (is_finite(sum)) return true;  // else one is not, or only the sum overflowed
   for (int i = 0; i < n; ++i) {
     if (!is_finite(x[i])) return false;
   }

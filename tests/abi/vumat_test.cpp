@@ -470,9 +470,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"nprops_0", [](Block& b) { b.props.clear(); }, {"NPROPS = 0", "at least 6"}},
         BadInput{
             "nstatev", [](Block& b) { b.nstatev = 0, b.state_old.clear(); }, {"NSTATEV = 0", "at least 1"}},
-        BadInput{"plane_strain", [](Block& b) { b.nshr = 1; }, {"NDIR, NSHR = 3, 1", "3, 3 alone"}},
+        BadInput{"plane_strain", [](Block& b) { b.nshr = 1; }, {"NDIR, NSHR = 3, 1", "3, 3 only"}},
         BadInput{
-            "plane_stress", [](Block& b) { b.ndir = 2, b.nshr = 1; }, {"NDIR, NSHR = 2, 1", "3, 3 alone"}}),
+            "plane_stress", [](Block& b) { b.ndir = 2, b.nshr = 1; }, {"NDIR, NSHR = 2, 1", "3, 3 only"}}),
     [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Vumat, AFibreIsNeededOnceTimeRuns) {

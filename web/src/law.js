@@ -81,7 +81,7 @@ class Law {
       at.stress, 0, 0, at.message, MESSAGE);
   }
 
-  /** Steps of growth alone: a function (G, stretch, dt) that gives the new G. */
+  /** Steps of growth only: a function (G, stretch, dt) that gives the new G. */
   stepper(muscle, midpoint) {
     this.setProps(muscle, midpoint);
     const at = this.at, state = this.setState(1, 1), F = this.view(at.F, 9), update = this.wasm.myogrowth_update;

@@ -13,7 +13,7 @@
 
 namespace myogrowth {
 
-/// The elastic law, a function of the elastic deformation alone.
+/// The elastic law, a function of only the elastic deformation.
 template <class P = double>
 struct NeoHookean {
   P c1 = P(16);  ///< first Lamé constant [stress]

@@ -326,7 +326,7 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
   for (int c = 0; c < 3; ++c) u.f[c] = b.d.f[c];
   stress(material, b.d, b.G, b.per_G, b.ln_Je, u);
 
-  // (What is beyond all numbers in the other components is in these.)
+  // (If another component is infinite or NaN, one of these is too.)
   P check = u.tau[0] + u.tau[1] + u.tau[2];
   if (tangent != Tangent::none) {
     check = check + (u.dtau_dG[0] + u.dtau_dG[1] + u.dtau_dG[2]) * u.dG_dlambda;

@@ -107,7 +107,7 @@ LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<doub
         step = next - g;
         g = next;
       }
-      // A rate that jumps to nil at the limit ends there.
+      // A rate that jumps to zero at the limit ends there.
       const bool ended = law.limit() - g <= 8 * last_place<double>() * g;
       u.g = ended ? law.limit() : g;
       slope = ended ? 0 : residual(g).imag() / h;

@@ -73,7 +73,7 @@ MYOGROWTH_FUNCTION T modulus_entry(const T c[36], int row, int column) {
 
 }  // namespace detail
 
-/// Plane stress in the 1-2 plane (membranes, shells): F is known in the plane alone, and the thickness
+/// Plane stress in the 1-2 plane (membranes, shells): F is known only in the plane, and the thickness
 /// stretch F_33 is the one at which tau_33 = 0. The fibre n0[3] lies in the plane or is normal to it; for an
 /// oblique one the transverse shear stresses do not vanish and are left out, as plane stress does.
 ///
