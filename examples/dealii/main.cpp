@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 
 #include "../common/files.hpp"
@@ -36,7 +37,9 @@ int job(const std::vector<std::string>& arguments, MPI_Comm comm) {
   std::string file;
   std::vector<std::string> overrides;
   for (const std::string& argument : arguments) {
-    if (argument.find('=') != std::string::npos) {
+    if (argument.empty()) {
+      throw muscle::Error("an argument is empty: expected a parameter file or Section/Entry=value");
+    } else if (argument.find('=') != std::string::npos && !std::filesystem::exists(argument)) {
       overrides.push_back(argument);
     } else if (file.empty()) {
       file = argument;
@@ -54,6 +57,12 @@ int job(const std::vector<std::string>& arguments, MPI_Comm comm) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  try {
+    common::check_standard_streams();  // before MPI opens files of its own
+  } catch (const muscle::Error& e) {
+    std::cerr << "muscle: " << e.what() << std::endl;
+    return 1;
+  }
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const MPI_Comm comm = MPI_COMM_WORLD;
   const bool first = dealii::Utilities::MPI::this_mpi_process(comm) == 0;

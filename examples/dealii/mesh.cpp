@@ -104,7 +104,7 @@ FibreField fibres_of_function(const std::string& text) {
   auto f = std::make_shared<FunctionParser<3>>(3);
   try {
     f->initialize("x,y,z", text, {{"pi", numbers::PI}});
-    f->value(Point<3>());
+    for (unsigned i = 0; i < 3; ++i) f->value(Point<3>(), i);
   } catch (const ExceptionBase& e) {
     std::ostringstream info;
     e.print_info(info);

@@ -234,7 +234,7 @@ void Muscle::find_ends() {
     constexpr double same_way = 0.9;
     Vector faces(u_);  // how many whole faces a node has
     faces = 0;
-    double area = 0, gap = 0, farthest = 0;
+    double area = 0, gap = 0, elsewhere = 0, farthest = 0;
     for (const auto& cell : cells_) {
       for (const unsigned f : cell->face_indices()) {
         const auto face = cell->face(f);
@@ -242,7 +242,6 @@ void Muscle::find_ends() {
         const unsigned n = face->n_vertices();
         unsigned held = 0;
         for (unsigned v = 0; v < n; ++v) held += end->has(face->vertex(v)[2]);
-        if (held == 0) continue;
         const Tensor<1, 3> normal =
             n == 4 ? cross_product_3d(face->vertex(3) - face->vertex(0), face->vertex(2) - face->vertex(1))
                    : cross_product_3d(face->vertex(1) - face->vertex(0), face->vertex(2) - face->vertex(0));
@@ -251,8 +250,8 @@ void Muscle::find_ends() {
           for (unsigned v = 0; v < n; ++v) faces(face->vertex_dof_index(v, 0, cell->active_fe_index())) += 1;
         } else if (std::abs(normal[2]) > same_way * normal.norm() &&
                    (face->center()[2] - cell->center()[2]) * end->toward > 0) {
-          gap += normal.norm() / 2;
-          for (unsigned v = 0; v < n; ++v)
+          (held > 0 ? gap : elsewhere) += normal.norm() / 2;
+          for (unsigned v = 0; v < n && held > 0; ++v)
             farthest = std::max(farthest, end->toward * (end->z - face->vertex(v)[2]));
         }
       }
@@ -268,6 +267,7 @@ void Muscle::find_ends() {
     loose = Utilities::MPI::sum(loose, comm_);
     area = Utilities::MPI::sum(area, comm_);
     gap = Utilities::MPI::sum(gap, comm_);
+    elsewhere = Utilities::MPI::sum(elsewhere, comm_);
     farthest = Utilities::MPI::max(farthest, comm_);
     const std::string text = std::string(end->name) + " end at z = " + number("%.7g", end->z) + ": " +
                              std::to_string(nodes) + " nodes, area " + number("%.7g", area);
@@ -280,7 +280,10 @@ void Muscle::find_ends() {
     if (loose > 0 || area == 0)
       throw Error(text + ": must be a flat face; " + std::to_string(loose) +
                   " of these nodes have no face of the surface that is of the end" + more);
-    say(text);
+    // An end at two heights, or of several parts: the rest of it is free.
+    say(elsewhere > 0
+            ? text + "; an area of " + number("%.7g", elsewhere) + " that faces the same way lies elsewhere"
+            : text);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <set>
 #include <sstream>
 
 #include "../../abi/properties.hpp"
@@ -66,9 +67,17 @@ class Entries {
       throw Error(where + found->full_name() + " is said twice, with the values " +
                   common::visible(text(*found)) + " and " + common::visible(value) +
                   (place.empty() ? "" : "; first in " + found->place));
-    if (!found->pattern->match(value))
-      throw Error(where + found->full_name() + " = " + common::visible(value) + ": must be " +
-                  found->allowed + common::hint(value));
+    const bool is_list = dynamic_cast<const Patterns::List*>(found->pattern.get());
+    const std::string must =
+        where + found->full_name() + " = " + common::visible(value) + ": must be " + found->allowed;
+    if (!found->pattern->match(value)) throw Error(must + (is_list ? "" : common::hint(value)));
+    if (is_list || dynamic_cast<const Patterns::Double*>(found->pattern.get())) {
+      for (const std::string& item : dealii::Utilities::split_string_list(value)) {
+        double x;
+        if (common::to_number(item, x) && x != 0 && std::abs(x) < tiny)
+          throw Error(must + ": " + common::visible(item) + " is beyond the range of double");
+      }
+    }
     found->place = place;
     found->argument = place.empty();
     prm_.enter_subsection(section);
@@ -394,6 +403,7 @@ std::vector<Parameters::Material> read_materials(const std::string& text, const 
            (kind.empty() ? std::string() : ", found '" + common::visible(kind) + "'"));
     material.grows = kind == "muscle";
     material.law = material.grows ? p.muscle : p.tendon;
+    std::set<std::string> given;
     while (words >> word) {
       const std::size_t equals = word.find('=');
       const std::string name = word.substr(0, equals);
@@ -406,6 +416,7 @@ std::vector<Parameters::Material> read_materials(const std::string& text, const 
       if (!common::to_number(word.substr(equals + 1), value))
         fail("expected a number after " + name + "=, found '" + common::visible(word.substr(equals + 1)) +
              "'");
+      if (!given.insert(name).second) fail(name + " is said twice");
       *parameter = value;
     }
     double props[abi::n_props];

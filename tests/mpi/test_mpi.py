@@ -282,7 +282,15 @@ class Ends(Case):
         entries = {**self.ENTRIES, **write_mesh(self.folder / "dented", *brick(dented(0.1)))}
         text = self.run_muscle(2, "a", entries, status=1)
         self.assertRegex(text, r"distal end at z = 13.33333: 8 nodes, area 75: is not closed: an area of 25.* beside it .* up to 0.1 from")
-        self.assertIn("distal end at z = 13.33333: 9 nodes, area 100", self.run_muscle(2, "a", {**entries, "Ends/Tolerance": 0.04}))
+        self.assertIn("distal end at z = 13.33333: 9 nodes, area 100.0025\n", self.run_muscle(2, "a", {**entries, "Ends/Tolerance": 0.04}))
+        # An end at two heights: the lower half is not of it.
+        nodes, hexes = brick(lambda *p: p)
+        hexes = [hexes[i] for i in range(16) if i not in (12, 14)]
+        used = sorted({node for cell in hexes for node in cell})
+        step = {**self.ENTRIES, **write_mesh(self.folder / "step", [nodes[node] for node in used],
+                                             [[used.index(node) for node in cell] for cell in hexes])}
+        self.assertRegex(self.run_muscle(2, "a", step),
+                         "distal end at z = 13.33333: 6 nodes, area 50; an area of 50 that faces the same way lies elsewhere\n")
         sheared = write_mesh(self.folder / "sheared", *brick(lambda x, y, z: (x, y, z + 0.8 * x)))
         self.assertRegex(self.run_muscle(1, "a", {**self.ENTRIES, **sheared}, status=1),
                          r"proximal end at z = 0: 3 nodes, area 0: must be a flat face; 3 of these nodes have no face")
@@ -479,6 +487,10 @@ class BadInput(Case):
             ({"Muscle/tau": "nan"}, r"Muscle/tau = nan: must be a number"),
             ({"Muscle/taux": 1}, r"there is no entry 'Muscle/taux'; there are c1, c2, tau,"),
             ({"Muskel/tau": 1}, r"there is no entry 'Muskel/tau'"),
+            ({"Muscle/tau": "1e-320"}, r"Muscle/tau = 1e-320: must be a number: 1e-320 is beyond the range of double"),
+            ({"Fibre/Direction": "0, 0, 1e-320"}, r"Fibre/Direction = 0, 0, 1e-320: must be three numbers: 1e-320 is beyond"),
+            ({"Fibre/Direction": "0,1"}, r"Fibre/Direction = 0,1: must be three numbers$"),
+            ({"Fibre/Kind": "function", "Fibre/Function": "0; 0; z0"}, r"Fibre/Function = 0; 0; z0: must be three expressions"),
             ({"Muscle/c1": -3}, r"Muscle/c1 = -3: must be > -2/3 c2"),
             ({"Muscle/tau_rev": 1, "Muscle/lambda_crit_rev": 3}, r"Muscle/lambda_crit_rev = 3: must be > 0 and <= lambda_crit"),
             ({"Time/End": 0.5}, r"Time/End = 0.5: must be >= Time/Ramp"),
