@@ -23,6 +23,8 @@ namespace {
 
 using namespace myogrowth;
 
+constexpr int n_all_props = abi::first_law_parameter + abi::most_law_parameters;  // of PROPS, at most
+
 // CalculiX has no way to be told of bad input, so the job is ended as CalculiX ends it: with its status,
 // once, though its threads may all find the same fault.
 [[noreturn]] void end_job(const char* text, const char* note = "") {
@@ -46,7 +48,7 @@ void move_fibre(double* statev, int nstatev) {
 
 // PROPS in the UMAT's order, if they come in the short order that fits an elastic law into the 21 constants
 // that CalculiX passes: activation, -law, PROPS(3:9), the law's parameters, PROPS(11:). False if they do not.
-bool put_in_order(const double* given, int n, double (&props)[abi::n_all_props]) {
+bool put_in_order(const double* given, int n, double (&props)[n_all_props]) {
   if (n < abi::n_props_required || !(given[1] == -1 || given[1] == -2 || given[1] == -3)) return false;
   const double law = -given[1];
   int next = 2;
@@ -73,11 +75,11 @@ void update(const double* F, double dtime, const double* props, int nprops, doub
   abi::Common common{{}, nstatev, dtime, second_piola, true, {}};
   const abi::Properties& p = common.properties;
   abi::Text text;
-  double in_order[abi::n_all_props];
+  double in_order[n_all_props];
   const bool is_short = put_in_order(props, nprops, in_order);
   if (abi::find_call_fault("CalculiX", "*DEPVAR", is_short ? in_order : props,
-                           is_short ? abi::n_all_props : nprops, false, nstatev, common.properties,
-                           common.law, text))
+                           is_short ? n_all_props : nprops, false, nstatev, common.properties, common.law,
+                           text))
     end_job(text, is_short ? " (Its place in the UMAT's order; docs/laws.md has CalculiX's short one.)" : "");
   if (p.local_basis) {
     end_job(

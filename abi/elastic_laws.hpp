@@ -15,13 +15,12 @@
 namespace myogrowth {
 namespace abi {
 
-constexpr int activation_entry = law_entry + 1;                         ///< index of the activation in PROPS
-constexpr int first_law_parameter = law_entry + 2;                      ///< index of a law's first parameter
-constexpr int most_law_parameters = 11;                                 ///< of law 2
-constexpr int n_all_props = first_law_parameter + most_law_parameters;  ///< of PROPS, at most
-constexpr int n_laws = 3;                                               ///< laws 1 to 3
-constexpr double from_field = -1;                                       ///< activation: field variable 1
-constexpr double tolerance_of_activation = 1e-9;  ///< what a host's sums may leave beyond 0 and 1
+constexpr int activation_entry = law_entry + 1;     ///< index of the activation in PROPS
+constexpr int first_law_parameter = law_entry + 2;  ///< index of a law's first parameter
+constexpr int most_law_parameters = 11;             ///< of law 2
+constexpr int n_laws = 3;                           ///< laws 1 to 3
+constexpr double from_field = -1;                   ///< activation: field variable 1
+constexpr double tolerance_of_activation = 1e-9;    ///< what a host's sums may leave beyond 0 and 1
 
 /// PROPS(19).
 enum class Law { neo_hookean, roehrle, blemker, ehret };

@@ -76,13 +76,20 @@ using std::log1p;
 using std::pow;
 using std::sqrt;
 
+/// std::complex, also where C's <complex.h> has made a macro of the word.
+#pragma push_macro("complex")
+#undef complex
+template <class R>
+using ComplexOf = std::complex<R>;
+#pragma pop_macro("complex")
+
 /// The real number that decides: a number itself, the real part of a complex one.
 /// @{
 constexpr float value(float x) { return x; }
 constexpr double value(double x) { return x; }
 constexpr long double value(long double x) { return x; }
 template <class R>
-constexpr R value(const std::complex<R>& z) {
+constexpr R value(const ComplexOf<R>& z) {
   return z.real();
 }
 /// @}
@@ -97,14 +104,14 @@ using Product = std::decay_t<decltype(std::declval<const A&>() * std::declval<co
 
 /// ln(1 + z), accurate for small |z| in both parts; the standard library has it for real numbers only.
 template <class R>
-std::complex<R> log1p(const std::complex<R>& z) {
+ComplexOf<R> log1p(const ComplexOf<R>& z) {
   const R x = z.real(), y = z.imag();
   return {log1p(x * (2 + x) + y * y) / 2, std::atan2(y, 1 + x)};
 }
 
 /// e^z - 1, likewise.
 template <class R>
-std::complex<R> expm1(const std::complex<R>& z) {
+ComplexOf<R> expm1(const ComplexOf<R>& z) {
   const R x = z.real(), y = z.imag(), half_sine = std::sin(y / 2);
   return {expm1(x) * std::cos(y) - 2 * half_sine * half_sine, exp(x) * std::sin(y)};
 }

@@ -73,6 +73,7 @@
 #define CursorShape 0
 // <complex.h>, <sys/sysmacros.h>, <sys/param.h>, the compilers' own
 #define I (__extension__ 1.0iF)
+#define complex _Complex
 #define major(dev) gnu_dev_major(dev)
 #define minor(dev) gnu_dev_minor(dev)
 #define makedev(a, b) gnu_dev_makedev(a, b)

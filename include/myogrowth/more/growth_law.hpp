@@ -71,7 +71,7 @@ Mat3<T> law_stress(const Law& law, const NeoHookean<>& elasticity, const Mat3<T>
 template <class Law>
 LawUpdate update(const Law& law, const NeoHookean<>& elasticity, const Mat3<double>& F,
                  const Vec3<double>& n0, double g_n, double dt) {
-  using ComplexNumber = std::complex<double>;
+  using ComplexNumber = ComplexOf<double>;
   constexpr double h = 1e-30, nan = std::numeric_limits<double>::quiet_NaN();
   const Mat3<ComplexNumber> F_c = F.cast<ComplexNumber>();
   const Vec3<ComplexNumber> n0_c = n0.cast<ComplexNumber>();
