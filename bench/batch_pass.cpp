@@ -1,13 +1,31 @@
 // Compiled for each instruction set, with -Dmyogrowth=myogrowth_<it> and what many/batch.hpp recommends.
 #include "batch_pass.hpp"
 
-#include <myogrowth/many/batch.hpp>
+#include <myogrowth/many/laws.hpp>
 
 extern "C" void BENCH_BATCH_PASS(int tangent, const BenchBatch* b) {
   using namespace myogrowth;
   using batch::aosoa;
   FibreGrowth<double> m;
   m.growth.gamma = b->gamma;
+  if (b->activation) {  // all terms are computed, whatever the parameters
+    const FibreGrowthOf<Roehrle<double>> law1{{m.c2, 0, m.c1, 0, 0, 1.4, 0.05, 6.6}, m.growth, {}, {}, {}};
+    const batch::Input in{aosoa<9, bench_block>(b->F),
+                          aosoa<3, bench_block>(b->n0),
+                          aosoa<1, bench_block>(b->G),
+                          batch::shared(b->dt),
+                          batch::Absent(),
+                          batch::shared(b->activation)};
+    const auto stress = aosoa<6, bench_block>(b->stress);
+    const auto G = aosoa<1, bench_block>(b->G_end);
+    if (tangent == 19)
+      update_batch<Tangent::compact>(law1, b->n, in,
+                                     batch::Output{stress, G, aosoa<19, bench_block>(b->tangent)});
+    else
+      update_batch<Tangent::full>(law1, b->n, in,
+                                  batch::Output{stress, G, aosoa<36, bench_block>(b->tangent)});
+    return;
+  }
   const batch::Input in{aosoa<9, bench_block>(b->F), aosoa<3, bench_block>(b->n0),
                         aosoa<1, bench_block>(b->G), batch::shared(b->dt)};
   const auto update = [&](const auto& stress, const auto& G, const auto& compact, const auto& full) {

@@ -25,6 +25,8 @@ GOALS = (
     ("kernel over batch AVX-512, full tangent", 2.0, "kernel", BATCH + "full", 9),
     ("Fortran -O2 over batch AVX-512, full tangent", 2.0, "Fortran UMAT, -O2", BATCH + "full", 30),
     ("kernel over batch AVX-512, compact tangent", 2.0, "kernel", BATCH + "compact", 11),
+    ("neo-Hookean over law 1, full tangent", 2.0, BATCH + "full", BATCH + "law 1, full", 0.4),
+    ("neo-Hookean over law 1, compact tangent", 2.0, BATCH + "compact", BATCH + "law 1, compact", 0.4),
 )
 MOST_OF_BOUND = 1.5  # streamed, one thread: times what the copy takes for the same bytes
 Case = collections.namedtuple("Case", "place threads growth gamma")

@@ -14,7 +14,7 @@
 #include <functional>
 #include <limits>
 #include <myogrowth/kernel.hpp>
-#include <myogrowth/many/batch.hpp>
+#include <myogrowth/many/laws.hpp>
 #include <string>
 
 #include "../abi/abaqus.h"
@@ -176,7 +176,8 @@ inline void update_n_pass(const Work& w) {
 
 // --- the batch, compiled for one instruction set, points in blocks
 
-inline void batch_pass(BenchBatchPass* pass, int tangent, bool second_order, const Work& w) {
+inline void batch_pass(BenchBatchPass* pass, int tangent, bool second_order, const double* activation,
+                       const Work& w) {
   double *stress = memory.data(), *moduli = stress + 6 * w.points.size, *G = moduli + 36 * w.points.size;
   const std::size_t m = w.first;
   const BenchBatch b{static_cast<long>(w.last - w.first),
@@ -189,7 +190,8 @@ inline void batch_pass(BenchBatchPass* pass, int tangent, bool second_order, con
                      G + m,
                      moduli + static_cast<std::size_t>(tangent) * m,
                      w.points.size == streamed,
-                     second_order ? &w.points.lambda_n[m] : nullptr};
+                     second_order ? &w.points.lambda_n[m] : nullptr,
+                     activation};
   pass(tangent, &b);
 }
 
@@ -207,6 +209,12 @@ inline Result batch_result(int tangent, const Work& w, std::size_t p) {
     const myogrowth::CompactTangent<double> compact{{x[0], x[1], x[2]}, x[3], x[4], x[5], x[6]};
     compact.expand(material(w.gamma), sigma, x);
   }
+  if (tangent == 19) {
+    myogrowth::CompactRoehrleTangent<double> compact{};
+    std::copy_n(x, 3, compact.m), std::copy_n(x + 3, 6, compact.b), std::copy_n(x + 9, 6, compact.k);
+    compact.kappa = x[15], compact.c01 = x[16], compact.shift = x[17], compact.J = x[18];
+    compact.expand(sigma, x);
+  }
   Result r;
   for (int i = 0; i < 6; ++i) r.tau[i] = J * sigma[i];
   for (int i = 0; i < 36; ++i) r.c[i] = tangent == 0 ? 0 : J * x[i];
@@ -215,12 +223,13 @@ inline Result batch_result(int tangent, const Work& w, std::size_t p) {
 }
 
 inline Variant batch_variant(const std::string& name, BenchBatchPass* pass, int tangent, Isa isa,
-                             double tolerance, bool second_order = false) {
+                             double tolerance, bool second_order = false,
+                             const double* activation = nullptr) {
   return {name,
           second_order ? 14 : 13,
           7 + tangent,
           tolerance,
-          [=](const Work& w) { batch_pass(pass, tangent, second_order, w); },
+          [=](const Work& w) { batch_pass(pass, tangent, second_order, activation, w); },
           [=](const Work& w, std::size_t p) { return batch_result(tangent, w, p); },
           tangent > 0,
           isa,
@@ -257,6 +266,29 @@ inline std::vector<Variant> ours() {
     batch_variant("batch AVX2, full, second order", bench_batch_avx2, 36, Isa::avx2, closed_form, true),
     batch_variant("batch AVX-512, full, second order", bench_batch_avx512, 36, Isa::avx512, closed_form,
                   true),
+#endif
+  };
+  all.erase(std::remove_if(all.begin(), all.end(), [](const Variant& v) { return !has(v.isa); }), all.end());
+  return all;
+}
+
+/// Law 1 in packs. Not among ours(), whose instructions are counted.
+inline std::vector<Variant> laws() {
+  static constexpr double activation = 0.5;
+  std::vector<Variant> all = {
+    batch_variant("batch base, law 1, compact", bench_batch_base, 19, Isa::base, closed_form, false,
+                  &activation),
+    batch_variant("batch base, law 1, full", bench_batch_base, 36, Isa::base, closed_form, false,
+                  &activation),
+#if defined(__x86_64__)
+    batch_variant("batch AVX2, law 1, compact", bench_batch_avx2, 19, Isa::avx2, closed_form, false,
+                  &activation),
+    batch_variant("batch AVX2, law 1, full", bench_batch_avx2, 36, Isa::avx2, closed_form, false,
+                  &activation),
+    batch_variant("batch AVX-512, law 1, compact", bench_batch_avx512, 19, Isa::avx512, closed_form, false,
+                  &activation),
+    batch_variant("batch AVX-512, law 1, full", bench_batch_avx512, 36, Isa::avx512, closed_form, false,
+                  &activation),
 #endif
   };
   all.erase(std::remove_if(all.begin(), all.end(), [](const Variant& v) { return !has(v.isa); }), all.end());

@@ -118,14 +118,14 @@ struct Blemker {
     T t, dt, W3;
     if (tendon) {
       const Curve<T> c = passive_curve(stretch, L1, L2, lambda_star);
-      t = c.f, dt = stretch * c.df, W3 = c.area_per_l;
+      t = c.f, dt = stretch * c.df, W3 = passive_areas(stretch, L1, L2, lambda_star).area_per_l;
     } else {
       const T l = stretch / lambda_opt;
       const Curve<T> fp = passive_curve(l, P1, P2, lambda_star), fa = active_curve(l);
       const T f = fp.f + activation * fa.f, df = fp.df + activation * fa.df;
       t = sigma_max * l * f;
       dt = sigma_max * l * (f + l * df);
-      W3 = sigma_max * (fp.area + activation * fa.area);
+      W3 = sigma_max * (passive_areas(l, P1, P2, lambda_star).area + activation * active_areas(l).area);
     }
 
     const T along = two * G1 * per_square, slope = G2 * dg / delta, plane = G2 * dg * omega;

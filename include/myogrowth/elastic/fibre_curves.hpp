@@ -16,8 +16,13 @@ namespace myogrowth {
 /// A curve at one stretch.
 template <class T>
 struct Curve {
-  T f;           ///< force [-, or stress]
-  T df;          ///< its slope df/dl
+  T f;   ///< force [-, or stress]
+  T df;  ///< its slope df/dl
+};
+
+/// What its energy needs.
+template <class T>
+struct CurveAreas {
   T area;        ///< integral of f dl from where it is 0
   T area_per_l;  ///< integral of (f/l) dl from where it is 0
 };
@@ -48,47 +53,76 @@ MYOGROWTH_FUNCTION T expm1_per_l(const P& b, const T& l) {
 
 }  // namespace detail
 
-/// The passive curve.
+/// The passive curve. T may be a pack.
 template <class T, class P>
 MYOGROWTH_FUNCTION Curve<T> passive_curve(const T& l, const P& a, const P& b, const P& end) {
-  using V = Real<T>;
-  const V one(1);
-  if (!(value(l) > one)) return {T(V(0)), T(V(0)), T(V(0)), T(V(0))};
-  const bool beyond = value(l) > value(end);
-  const T s = beyond ? T(end) : l;
+  const T zero(Real<T>(0)), one(Real<T>(1)), last(end);
+  const T s = minimum(maximum(l, one), last);
   const T e = expm1(T(b * (s - one)));
   const T df = a * b * (e + one);
-  Curve<T> c{T(a * e), df, T(a * (e / b - (s - one))), T(a * detail::expm1_per_l(b, s))};
-  if (beyond) {
-    const T d = l - s;
-    c.area = c.area + d * (c.f + df * d / V(2));
-    c.area_per_l = c.area_per_l + (c.f - df * s) * log(T(l / s)) + df * d;
-    c.f = c.f + df * d;
+  const T f = select(deciding(l) > deciding(last), T(a * e + df * (l - last)), T(a * e));
+  const auto tense = deciding(l) > deciding(one);
+  return {select(tense, f, zero), select(tense, df, zero)};
+}
+
+/// Its areas.
+template <class T, class P>
+MYOGROWTH_FUNCTION CurveAreas<T> passive_areas(const T& l, const P& a, const P& b, const P& end) {
+  using V = Real<T>;
+  const V one(1);
+  if (!(value(l) > one)) return {T(V(0)), T(V(0))};
+  const T s = value(l) > value(end) ? T(end) : l, d = l - s;
+  const Curve<T> c = passive_curve(s, a, b, end);
+  return {c.f / b - a * (s - one) + d * (c.f + c.df * d / V(2)),
+          a * detail::expm1_per_l(b, s) + (c.f - c.df * s) * log(T(l / s)) + c.df * d};
+}
+
+namespace detail {
+
+/// The pieces of the active curve, p (l-q)^2 + r from one stretch to the next.
+struct ActivePiece {
+  double from, to, p, q, r;
+};
+struct ActivePieces {
+  ActivePiece all[3];
+};
+MYOGROWTH_FUNCTION constexpr ActivePieces active_pieces() {
+  return {{{0.4, 0.6, 9, 0.4, 0}, {0.6, 1.4, -4, 1, 1}, {1.4, 1.6, 9, 1.6, 0}}};
+}
+
+}  // namespace detail
+
+/// The active curve. T may be a pack.
+template <class T>
+MYOGROWTH_FUNCTION Curve<T> active_curve(const T& l) {
+  using V = Real<T>;
+  Curve<T> c{T(V(0)), T(V(0))};
+  const detail::ActivePieces pieces = detail::active_pieces();
+  for (const detail::ActivePiece& piece : pieces.all) {
+    const V p(piece.p), q(piece.q), r(piece.r);
+    const T distance = l - T(q);
+    const auto here = (deciding(l) > deciding(T(V(piece.from)))) & (deciding(l) <= deciding(T(V(piece.to))));
+    c.f = select(here, T(p * distance * distance + r), c.f);
+    c.df = select(here, T(V(2) * p * distance), c.df);
   }
   return c;
 }
 
-/// The active curve.
+/// Its areas.
 template <class T>
-MYOGROWTH_FUNCTION Curve<T> active_curve(const T& l) {
+MYOGROWTH_FUNCTION CurveAreas<T> active_areas(const T& l) {
   using V = Real<T>;
-  const V x = value(l), begin(0.4), low(0.6), high(1.4), end(1.6), zero(0);
-  Curve<T> c{T(zero), T(zero), T(zero), T(zero)};
-  if (!(x > begin)) return c;
-  // Each piece is p (l - q)^2 + r; its integrals from `from` to `to`.
-  const auto add = [&](V p, V q, V r, V from, const T& to) {
-    const T to_q = to - q;
-    c.f = p * to_q * to_q + r;
-    c.df = V(2) * p * to_q;
+  CurveAreas<T> c{T(V(0)), T(V(0))};
+  const detail::ActivePieces pieces = detail::active_pieces();
+  for (const detail::ActivePiece& piece : pieces.all) {
+    const V from(piece.from), p(piece.p), q(piece.q), r(piece.r);
+    if (!(value(l) > from)) break;
+    const T to = value(l) > V(piece.to) ? T(V(piece.to)) : l, to_q = to - q;
     c.area =
         c.area + p / V(3) * (to_q * to_q * to_q - T((from - q) * (from - q) * (from - q))) + r * (to - from);
     c.area_per_l = c.area_per_l + (p * q * q + r) * log(T(to / from)) - V(2) * p * q * (to - from) +
                    p / V(2) * (to - from) * (to + from);
-  };
-  add(V(9), begin, zero, begin, x > low ? T(low) : l);
-  if (x > low) add(V(-4), V(1), V(1), low, x > high ? T(high) : l);
-  if (x > high) add(V(9), end, zero, high, x > end ? T(end) : l);
-  if (x > end) c.f = c.df = T(zero);
+  }
   return c;
 }
 

@@ -27,6 +27,21 @@ struct Roehrle {
   P g1 = P(0.05);         ///< passive curve, >= 0 [-]
   P g2 = P(6.6);          ///< passive curve, > 0 [-]
 
+  static constexpr double end_of_exponential = 1.4;  ///< of the passive curve: l
+
+  /// Energy of the fibres [stress], for l = lambda_e/lambda_opt.
+  template <class T>
+  MYOGROWTH_FUNCTION T fibre_energy(const T& l, const T& activation) const {
+    return sigma_p * passive_areas(l, g1, g2, P(end_of_exponential)).area_per_l +
+           activation * sigma_a * active_areas(l).area_per_l;
+  }
+  /// Stress of the fibres and its slope in l [stress]. T may be a pack.
+  template <class T>
+  MYOGROWTH_FUNCTION Curve<T> fibre_stress(const T& l, const T& activation) const {
+    const Curve<T> fp = passive_curve(l, g1, g2, P(end_of_exponential)), fa = active_curve(l);
+    return {sigma_p * fp.f + activation * sigma_a * fa.f, sigma_p * fp.df + activation * sigma_a * fa.df};
+  }
+
   /// Energy, stress and modulus (response.hpp); activation from 0 to 1. The active energy, at fixed
   /// activation, counts from l = 0.4, where there is no force.
   template <class T>
@@ -38,9 +53,8 @@ struct Roehrle {
     const T* B = e.B;
     const T trace = B[0] + B[1] + B[2], pressure = kappa * e.ln_J;
     const T l = e.lambda / lambda_opt;
-    const Curve<T> fp = passive_curve(l, g1, g2, P(1.4)), fa = active_curve(l);
-    const T t = sigma_p * fp.f + activation * sigma_a * fa.f;
-    const T dt_dl = sigma_p * fp.df + activation * sigma_a * fa.df;
+    const Curve<T> fibres = fibre_stress(l, activation);
+    const T t = fibres.f, dt_dl = fibres.df;
 
     T b[6], fixed[6], fibre[6], unit[6];
     T square(V(0));  // B:B
@@ -69,7 +83,7 @@ struct Roehrle {
     const T I2_minus_3 = two * trace + (trace * trace - square) / two;
     out.psi =
         (c10 * (trace - two * e.ln_J) + c01 * (I2_minus_3 - two * two * e.ln_J) + pressure * e.ln_J) / two +
-        sigma_p * fp.area_per_l + activation * sigma_a * fa.area_per_l;
+        fibre_energy(l, activation);
   }
 };
 

@@ -114,12 +114,34 @@ constexpr bool is_streamed(const Streamed<V, components, block>&) {
   return true;
 }
 
-/// What all packs of a batch have in common.
-template <class V>
+/// What all packs of a batch have in common. Material: FibreGrowth<V>, or one that laws.hpp has packs of.
+template <class V, class Material>
 struct Common {
-  const FibreGrowth<V>& material;
+  const Material& material;
   const Branch<V, 1> growth;
-  explicit Common(const FibreGrowth<V>& m) : material(m), growth(branch_of(m.growth)) {}
+  explicit Common(const Material& m) : material(m), growth(branch_of(m.growth)) {}
+};
+
+/// What the last stage needs to know of a material. laws.hpp has more of them.
+template <class Material>
+struct InPacks;
+template <class V>
+struct InPacks<FibreGrowth<V>> {
+  static constexpr int n_compact = 7;  ///< numbers of the compact tangent
+  template <class P>
+  using Point = PointUpdate<P>;
+  template <class P, class In>
+  static void take_activation(const In&, std::ptrdiff_t, Point<P>&) {}
+  template <class P>
+  static void add_energy(const FibreGrowth<V>&, Point<P>&) {}
+  template <class P>
+  static void write_compact(const Point<P>& u, P* compact) {
+    for (int i = 0; i < 3; ++i) compact[i] = u.f[i];
+    compact[3] = u.dG_dlambda / u.lambda;
+    compact[4] = u.tau[0] - u.c2 * u.be[0];
+    compact[5] = u.G;
+    compact[6] = u.J;
+  }
 };
 
 /// Where an output goes that is written past the caches: first into a buffer, for as many points as go
@@ -158,8 +180,8 @@ struct Stage<Streamed<W, components, block>, width, registers> {
 };
 
 /// Apart, so that it does not weigh on the packs' code.
-template <Tangent tangent, Measure measure, class V, class In, class Out>
-MYOGROWTH_NOINLINE UpdateStatus update_apart(const FibreGrowth<V>& material, std::ptrdiff_t i, const In& in,
+template <Tangent tangent, Measure measure, class Material, class In, class Out>
+MYOGROWTH_NOINLINE UpdateStatus update_apart(const Material& material, std::ptrdiff_t i, const In& in,
                                              const Out& out) {
   return update_one<tangent, measure>(material, i, in, out);
 }
@@ -173,8 +195,8 @@ struct Begun {
 };
 
 /// Removal in the lanes that shrink. Not inlined, since few packs need it.
-template <int N, class V>
-MYOGROWTH_NOINLINE SolvedStep<Pack<V, N>> remove(const FibreGrowth<V>& m, Mask<V, N> shrinks, Pack<V, N> G_n,
+template <int N, class V, class Material>
+MYOGROWTH_NOINLINE SolvedStep<Pack<V, N>> remove(const Material& m, Mask<V, N> shrinks, Pack<V, N> G_n,
                                                  Pack<V, N> lambda, Pack<V, N> dt) {
   return backward_euler(branch_of(m.growth, m.removal), shrinks, G_n, lambda, dt);
 }
@@ -240,10 +262,10 @@ void begin(const In& in, std::ptrdiff_t i, Begun<V, N>& b) {
 
 /// The second stage, for as many registers as a pack has: what is a chain of operations that wait for each
 /// other, the growth, the logarithm and the reciprocals.
-template <int N, class V, int width>
-void grow(const Common<V>& common, Begun<V, width>* begun) {
+template <int N, class V, class Material, int width>
+void grow(const Common<V, Material>& common, Begun<V, width>* begun) {
   using P = Pack<V, N>;
-  const FibreGrowth<V>& material = common.material;
+  const Material& material = common.material;
   P lambda, G_n, dt, J_minus_1;
   Mask<V, N> bad;
   for (int k = 0; k < P::parts; ++k) {
@@ -310,8 +332,8 @@ void grow(const Common<V>& common, Begun<V, width>* begun) {
 }
 
 /// The last stage: stress and tangent. Returns a bit for every lane that has to be done by update_one.
-template <Tangent tangent, Measure measure, class V, int N, class In, class Out>
-unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& in, const Out& out,
+template <Tangent tangent, Measure measure, class Material, class V, int N, class In, class Out>
+unsigned finish(const Material& material, const Begun<V, N>& b, const In& in, const Out& out,
                 std::ptrdiff_t i) {
   using P = Pack<V, N>;
   const Points<V, N, std::decay_t<decltype(out.stress)>> stress_out(out.stress, i);
@@ -319,12 +341,16 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
   const Points<V, N, std::decay_t<decltype(out.tangent)>> tangent_out(out.tangent, i);
   const Points<V, N, std::decay_t<decltype(out.scalars)>> scalars_out(out.scalars, i);
   const P zero(V(0)), one(V(1));
-  PointUpdate<P> u;
+  using Its = InPacks<Material>;
+  typename Its::template Point<P> u;
+  Its::template take_activation<P>(in, i, u);
   u.J = one + b.d.J_minus_1;
   u.lambda = b.d.lambda;
   u.dG_dlambda = b.dG_dlambda;
   for (int c = 0; c < 3; ++c) u.f[c] = b.d.f[c];
   stress(material, b.d, b.G, b.per_G, b.ln_Je, u);
+  if constexpr (!std::is_same<std::decay_t<decltype(out.scalars)>, Absent>::value)
+    Its::add_energy(material, u);
 
   // (If another component is infinite or NaN, one of these is too.)
   P check = u.tau[0] + u.tau[1] + u.tau[2];
@@ -343,9 +369,9 @@ unsigned finish(const FibreGrowth<V>& material, const Begun<V, N>& b, const In& 
     for (int c = 0; c < 6; ++c) stress_out.store(c, u.tau[c] * factor);
   }
   if constexpr (tangent == Tangent::compact) {
-    const P compact[7] = {u.f[0], u.f[1], u.f[2], u.dG_dlambda / u.lambda, u.tau[0] - u.c2 * u.be[0],
-                          u.G,    u.J};
-    for (int c = 0; c < 7; ++c) tangent_out.store(c, compact[c]);
+    P compact[entries(Its::n_compact)];
+    Its::write_compact(u, compact);
+    for (int c = 0; c < Its::n_compact; ++c) tangent_out.store(c, compact[c]);
   }
   if constexpr (tangent == Tangent::full && measure == Measure::cauchy) {
     spatial_modulus(u, writer(tangent_out), factor);
@@ -385,9 +411,9 @@ constexpr int registers_at_once = Pack<V, N>::parts < 8 ? 8 - 8 % Pack<V, N>::pa
 /// done by update_one instead. All go through one stage before the next: a point's operations wait for each
 /// other, and the processor has those of other points to do meanwhile; and few numbers are needed at a time,
 /// so that they stay in registers.
-template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
-MYOGROWTH_FLAT void update_registers(const Common<V>& common, std::ptrdiff_t i, int registers, const In& in,
-                                     const Out& out, unsigned* bad) {
+template <Tangent tangent, Measure measure, int N, class V, class Material, class In, class Out>
+MYOGROWTH_FLAT void update_registers(const Common<V, Material>& common, std::ptrdiff_t i, int registers,
+                                     const In& in, const Out& out, unsigned* bad) {
   constexpr int width = Pack<V, N>::width, parts = Pack<V, N>::parts;
   Begun<V, width> begun[registers_at_once<V, N>];
   int begun_so_far = 0;
@@ -432,31 +458,36 @@ struct Padded {
   }
 };
 
-template <Tangent tangent, Measure measure>
-constexpr int n_tangent = tangent == Tangent::compact       ? 7
+template <Tangent tangent, Measure measure, class Material>
+constexpr int n_tangent = tangent == Tangent::compact       ? InPacks<Material>::n_compact
                           : tangent == Tangent::none        ? 1
                           : measure == Measure::first_piola ? 81
                                                             : 36;
 
 /// Fewer points than a register has, from point i on. Returns a bit for each that has to be done by
 /// update_one.
-template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
-MYOGROWTH_NOINLINE unsigned update_padded(const Common<V>& common, std::ptrdiff_t i, int points, const In& in,
-                                          const Out& out) {
+template <Tangent tangent, Measure measure, int N, class V, class Material, class In, class Out>
+MYOGROWTH_NOINLINE unsigned update_padded(const Common<V, Material>& common, std::ptrdiff_t i, int points,
+                                          const In& in, const Out& out) {
   constexpr int width = Pack<V, N>::width;
   Padded<V, width, 9> F;
   Padded<V, width, 3> n0;
-  Padded<V, width, 1> G, dt, lambda, G_end;
+  Padded<V, width, 1> G, dt, lambda, activation, G_end;
   F.fill(in.F, i, points);
   n0.fill(in.n0, i, points);
   G.fill(in.G, i, points);
   dt.fill(in.dt, i, points);
   lambda.fill(in.lambda, i, points);
+  if constexpr (std::is_same<std::decay_t<decltype(in.activation)>, Absent>::value) {
+    for (V& a : activation.data) a = V(0);
+  } else {
+    activation.fill(in.activation, i, points);
+  }
   Padded<V, width, measure == Measure::first_piola ? 9 : 6> stress;
-  Padded<V, width, n_tangent<tangent, measure>> moduli;
+  Padded<V, width, n_tangent<tangent, measure, Material>> moduli;
   Padded<V, width, 5> scalars;
-  const Input<Soa<V>, Soa<V>, Soa<V>, Soa<V>, Soa<V>> padded_in{F.view(), n0.view(), G.view(), dt.view(),
-                                                                lambda.view()};
+  const Input<Soa<V>, Soa<V>, Soa<V>, Soa<V>, Soa<V>, Soa<V>> padded_in{
+      F.view(), n0.view(), G.view(), dt.view(), lambda.view(), activation.view()};
   const Output<Soa<V>, Soa<V>, Soa<V>, Soa<V>> padded_out{stress.view(), G_end.view(), moduli.view(),
                                                           scalars.view()};
   unsigned bad;
@@ -469,11 +500,11 @@ MYOGROWTH_NOINLINE unsigned update_padded(const Common<V>& common, std::ptrdiff_
 }
 
 /// The points [first, last), of one material.
-template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
-std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first, std::ptrdiff_t last,
-                            const In& in, const Out& out) {
+template <Tangent tangent, Measure measure, int N, class V, class Material, class In, class Out>
+std::ptrdiff_t update_range(const Material& material, std::ptrdiff_t first, std::ptrdiff_t last, const In& in,
+                            const Out& out) {
   constexpr std::ptrdiff_t width = Pack<V, N>::width, most = registers_at_once<V, N>;
-  const Common<V> common(material);
+  const Common<V, Material> common(material);
   std::ptrdiff_t failed = 0;
   for (std::ptrdiff_t i = first, next; i < last; i = next) {
     unsigned bad[entries(most)];
@@ -514,9 +545,9 @@ template <class V, int N>
 constexpr int lanes = 1;
 
 /// The points [first, last), of one material.
-template <Tangent tangent, Measure measure, int N, class V, class In, class Out>
-std::ptrdiff_t update_range(const FibreGrowth<V>& material, std::ptrdiff_t first, std::ptrdiff_t last,
-                            const In& in, const Out& out) {
+template <Tangent tangent, Measure measure, int N, class V, class Material, class In, class Out>
+std::ptrdiff_t update_range(const Material& material, std::ptrdiff_t first, std::ptrdiff_t last, const In& in,
+                            const Out& out) {
   std::ptrdiff_t failed = 0;
   for (std::ptrdiff_t i = first; i < last; ++i)
     failed += update_one<tangent, measure>(material, i, in, out) != UpdateStatus::ok;
@@ -537,7 +568,8 @@ template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, in
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
-  return batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>>(material, 0, n, in, out);
+  return batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>, V>(material, 0, n, in,
+                                                                                      out);
 }
 
 /// The same for points of many materials. Every run of points of one material is done by packs of its own:
@@ -551,8 +583,8 @@ std::ptrdiff_t update_batch(const batch::Materials<V, Index>& materials, std::pt
   for (std::ptrdiff_t first = 0, last; first < n; first = last) {
     const Index which = materials.index[first];
     for (last = first + 1; last < n && materials.index[last] == which;) ++last;
-    failed += batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>>(materials.data[which],
-                                                                                        first, last, in, out);
+    failed += batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>, V>(
+        materials.data[which], first, last, in, out);
   }
   return failed;
 }

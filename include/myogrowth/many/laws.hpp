@@ -170,7 +170,7 @@ V load_activation(Absent, std::ptrdiff_t) {
 
 #if defined(__GNUC__) && !defined(MYOGROWTH_NO_PACKS)
 template <class P>
-constexpr int n_lanes = P::width * P::parts;
+constexpr int n_lanes = P::width* P::parts;
 
 template <class V>
 struct InPacks<FibreGrowthOf<Roehrle<V>, V>> {

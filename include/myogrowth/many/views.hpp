@@ -168,20 +168,23 @@ struct Materials {
 };
 
 /// What goes in: F (9, column by column), n0 (3, of any length > 0), G_n, dt [time]; and, for the
-/// second-order step, lambda_n.
-template <class F_, class N0, class G_, class Dt, class Lambda = Absent>
+/// second-order step, lambda_n; for laws that are active (many/laws.hpp), the activation.
+template <class F_, class N0, class G_, class Dt, class Lambda = Absent, class Activation = Absent>
 struct Input {
-  F_ F;             ///< deformation gradient at the end of the step [-]
-  N0 n0;            ///< fibre [-]
-  G_ G;             ///< sarcomere number at the beginning [-]
-  Dt dt;            ///< length of the step [time]
-  Lambda lambda{};  ///< total fibre stretch at the beginning [-]
+  F_ F;                     ///< deformation gradient at the end of the step [-]
+  N0 n0;                    ///< fibre [-]
+  G_ G;                     ///< sarcomere number at the beginning [-]
+  Dt dt;                    ///< length of the step [time]
+  Lambda lambda{};          ///< total fibre stretch at the beginning [-]
+  Activation activation{};  ///< from 0 to 1; not there: 0 [-]
 };
 /// @cond
 template <class F_, class N0, class G_, class Dt>
 Input(F_, N0, G_, Dt) -> Input<F_, N0, G_, Dt>;
 template <class F_, class N0, class G_, class Dt, class Lambda>
 Input(F_, N0, G_, Dt, Lambda) -> Input<F_, N0, G_, Dt, Lambda>;
+template <class F_, class N0, class G_, class Dt, class Lambda, class Activation>
+Input(F_, N0, G_, Dt, Lambda, Activation) -> Input<F_, N0, G_, Dt, Lambda, Activation>;
 /// @endcond
 
 /// What comes out: stress; G; tangent; and, if asked for, scalars (5): lambda_e, lambda, J, Je, psi. G may be
