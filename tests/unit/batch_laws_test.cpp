@@ -94,14 +94,15 @@ double compare(const FibreGrowthOf<Law>& m, Points p) {
       t.expand(&stress[n_stress * i], expanded);
       given = expanded;
     }
+    const double *sigma = &stress[n_stress * i], *found = &scalars[5 * i];
     double stiffness = 0;  // stresses are differences of numbers of this size
     for (int k = 0; k < n_moduli; ++k) stiffness = std::max(stiffness, std::abs(expected[k]));
     for (int k = 0; k < n_stress; ++k)
-      worst = std::max(worst, std::abs(stress[n_stress * i + k] - expected_stress[k]) / stiffness);
+      worst = std::max(worst, std::abs(sigma[k] - expected_stress[k]) / stiffness);
     worst = std::max(worst, difference(given, expected, n_moduli));
     const double numbers[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
-    for (int k = 0; k < 4; ++k) EXPECT_NEAR(scalars[5 * i + k], numbers[k], 1e-14 * numbers[k]);
-    EXPECT_NEAR(scalars[5 * i + 4], u.psi, 1e-13 * (std::abs(u.psi) + 1e-3));
+    for (int k = 0; k < 4; ++k) EXPECT_NEAR(found[k], numbers[k], 1e-14 * numbers[k]);
+    EXPECT_NEAR(found[4], u.psi, 1e-13 * (std::abs(u.psi) + 1e-3));
     EXPECT_NEAR(G[i], u.G, 1e-14);
   }
   return worst;

@@ -101,7 +101,9 @@ MYOGROWTH_FUNCTION Curve<T> active_curve(const T& l) {
   for (const detail::ActivePiece& piece : pieces.all) {
     const V p(piece.p), q(piece.q), r(piece.r);
     const T distance = l - T(q);
-    const auto here = (deciding(l) > deciding(T(V(piece.from)))) & (deciding(l) <= deciding(T(V(piece.to))));
+    const auto after = deciding(l) > deciding(T(V(piece.from)));
+    const auto before = deciding(l) <= deciding(T(V(piece.to)));
+    const auto here = after & before;
     c.f = select(here, T(p * distance * distance + r), c.f);
     c.df = select(here, T(V(2) * p * distance), c.df);
   }
