@@ -8,6 +8,7 @@
 #include <cstring>
 #include <sstream>
 
+#include "../common/rows.hpp"
 #include "muscle.hpp"
 
 namespace muscle {
@@ -120,29 +121,56 @@ void Muscle::write_fibres() const {
   });
 }
 
+/// Those of all cells, then those of sets.
 void Muscle::find_fibres() {
-  std::string kind = parameters_.fibre.kind;
+  std::vector<char> has_own(file_.cells.size(), 0);
+  std::vector<std::vector<char>> sets;
+  for (const auto& of : parameters_.set_fibres) {
+    sets.push_back(file_.cells_of(of.set));
+    if (sets.back().empty())
+      throw Error("Fibre/List: there is no section or set " + common::visible(of.set) + " in " + file_.path +
+                  "; there are: " + file_.set_names());
+    for (std::size_t c = 0; c < has_own.size(); ++c) has_own[c] = has_own[c] || sets.back()[c];
+  }
+  if (has_own.empty() || std::count(has_own.begin(), has_own.end(), 0) > 0) find_fibres(parameters_.fibre);
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    const std::vector<double> before = n0_;
+    find_fibres(parameters_.set_fibres[k].fibre);
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      if (sets[k][cells_[c]->id().get_coarse_cell_id()]) continue;
+      const std::size_t end = c + 1 < cells_.size() ? first_point_[c + 1] : volumes_.size();
+      std::copy(before.begin() + static_cast<std::ptrdiff_t>(3 * first_point_[c]),
+                before.begin() + static_cast<std::ptrdiff_t>(3 * end),
+                n0_.begin() + static_cast<std::ptrdiff_t>(3 * first_point_[c]));
+    }
+    say("fibres of " + parameters_.set_fibres[k].set + ": " + parameters_.set_fibres[k].fibre.kind);
+  }
+}
+
+/// n0_ of all points by one way.
+void Muscle::find_fibres(const Parameters::Fibre& fibre) {
+  std::string kind = fibre.kind;
   if (kind == "default") kind = file_.fibres.empty() ? "flow" : "mesh";
-  if (kind == "flow") return flow_fibres();
+  if (kind == "flow") return flow_fibres(fibre);
   if (kind == "mesh" && file_.fibres.empty())
     throw Error("Fibre/Kind = mesh: there are no fibres in " + file_.path);
   together(comm_, [&] {
-    const FibreField field = kind == "mesh" ? FibreField() : make_fibre_field(parameters_.fibre);
+    const FibreField field = kind == "mesh" ? FibreField() : make_fibre_field(fibre);
     for (const Group& group : groups_) {
       for (std::size_t c = group.first_cell; c < group.first_cell + group.n; ++c) {
         for (std::size_t q = 0; q < static_cast<std::size_t>(n_points(group.shape)); ++q) {
           const std::size_t p = first_point_[c] + q;
-          Tensor<1, 3> fibre;
+          Tensor<1, 3> n;
           if (field) {
-            fibre = field(place(p));
+            n = field(place(p));
           } else {
             const auto& from = file_.fibres[cells_[c]->id().get_coarse_cell_id()];
-            fibre = Tensor<1, 3>({from[0], from[1], from[2]});
+            n = Tensor<1, 3>({from[0], from[1], from[2]});
           }
-          const double unit[3] = {fibre[0], fibre[1], fibre[2]};
+          const double unit[3] = {n[0], n[1], n[2]};
           if (!myogrowth::normalise(unit, n0_.data() + 3 * p)) {
             std::ostringstream text;
-            text << "Fibre: (" << fibre << ") at (" << place(p) << "): must be finite and of a length > 0";
+            text << "Fibre: (" << n << ") at (" << place(p) << "): must be finite and of a length > 0";
             throw Error(text.str());
           }
         }
@@ -151,21 +179,31 @@ void Muscle::find_fibres() {
   });
 }
 
-/// Potential flow: phi is 0 on one surface, 1 on the other, and flows through no other part of the surface;
+/// Potential flow: phi is 0 on some surfaces, 1 on others, and flows through no other part of the surface;
 /// n0 = grad phi/|grad phi| at the integration points.
-void Muscle::flow_fibres() {
+void Muscle::flow_fibres(const Parameters::Fibre& fibre) {
+  const auto joined = [](const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+    return text;
+  };
+  const std::string ends[2] = {joined(fibre.from), joined(fibre.to)};
   std::vector<signed char> value(file_.nodes.size(), -1);
   for (int side = 0; side < 2; ++side) {
-    const std::string& name = side == 0 ? parameters_.fibre.from : parameters_.fibre.to;
-    const MeshFile::Surface* surface = file_.surface(name);
-    if (surface == nullptr || surface->facets.empty())
-      throw Error(std::string("Fibre/") + (side == 0 ? "From" : "To") + " = " + name +
-                  ": must be a surface of " + file_.path + ", which has " + file_.surface_names());
-    for (const unsigned node : file_.nodes_of(*surface)) {
-      if (value[node] == 1 - side)
-        throw Error("Fibre/From and Fibre/To: " + parameters_.fibre.from + " and " + parameters_.fibre.to +
-                    " touch, at " + file_.node(node));
-      value[node] = static_cast<signed char>(side);
+    if (ends[side].empty())
+      throw Error(std::string("Fibre/") + (side == 0 ? "From" : "To") + " is empty: must be a surface of " +
+                  file_.path + ", which has " + file_.surface_names());
+    for (const std::string& name : side == 0 ? fibre.from : fibre.to) {
+      const MeshFile::Surface* surface = file_.surface(name);
+      if (surface == nullptr || surface->facets.empty())
+        throw Error(std::string("Fibre/") + (side == 0 ? "From" : "To") + " = " + common::visible(name) +
+                    ": must be a surface of " + file_.path + ", which has " + file_.surface_names());
+      for (const unsigned node : file_.nodes_of(*surface)) {
+        if (value[node] == 1 - side)
+          throw Error("Fibre/From and Fibre/To: " + ends[0] + " and " + ends[1] + " touch, at " +
+                      file_.node(node));
+        value[node] = static_cast<signed char>(side);
+      }
     }
   }
   Vector phi(u_), rhs(u_), diagonal(u_), change(u_);
@@ -284,10 +322,10 @@ void Muscle::flow_fibres() {
   }
   const auto by_line = Utilities::MPI::sum(without.size(), comm_);
   for (const std::size_t c : without) give(c, line_);
-  found_["cells_without_gradient"] = static_cast<double>(first_without);
+  found_["cells_without_gradient"] += static_cast<double>(first_without);
   found_["potential_iterations"] = static_cast<double>(control.last_step());
-  say("fibres: flow from " + parameters_.fibre.from + " to " + parameters_.fibre.to + ", " +
-      std::to_string(control.last_step()) + " iterations; " + std::to_string(first_without) +
+  say("fibres: flow from " + ends[0] + " to " + ends[1] + ", " + std::to_string(control.last_step()) +
+      " iterations; " + std::to_string(first_without) +
       " cells without a gradient have their neighbours' direction" +
       (by_line > 0 ? ", " + std::to_string(by_line) + " of them without such neighbours that of the line"
                    : ""));

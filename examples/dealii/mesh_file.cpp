@@ -156,6 +156,20 @@ void read_with_sections(common::Rows& rows, MeshFile& mesh) {
     mesh.fibres.push_back(read_place(rows, 0, "a component of the fibre"));
     if (mesh.fibres.back() == Place{}) rows.unexpected(0, "a fibre of a length > 0");
   });
+  if (!rows.next()) return;
+  if (rows.text(0, "'sets' or the end of the file") != "sets")
+    rows.unexpected(0, "'sets' or the end of the file");
+  for (std::size_t left = read_count(rows, "sets"); left > 0; --left) {
+    if (!rows.next()) throw Error(rows.path() + ": ends before the last set");
+    MeshFile::Set set;
+    set.name = rows.text(0, "the name of a set");
+    once("section or set", set.name, mesh.cells_of(set.name).empty());
+    read_section(rows, "cells of set " + set.name, read_count(rows, "cells"), [&](std::size_t) {
+      set.cells.push_back(static_cast<unsigned>(rows.count(0, "a cell", 0, mesh.cells.size() - 1)));
+      rows.ends_after(1);
+    });
+    mesh.sets.push_back(set);
+  }
   if (rows.next()) rows.unexpected(0, "the end of the file");
 }
 
@@ -372,6 +386,11 @@ void share(MeshFile& mesh, MPI_Comm comm) {
     surface.name = dealii::Utilities::MPI::broadcast(comm, surface.name);
     share(surface.facets, comm);
   }
+  mesh.sets.resize(dealii::Utilities::MPI::broadcast(comm, mesh.sets.size()));
+  for (MeshFile::Set& set : mesh.sets) {
+    set.name = dealii::Utilities::MPI::broadcast(comm, set.name);
+    share(set.cells, comm);
+  }
 }
 
 }  // namespace
@@ -396,6 +415,27 @@ std::string MeshFile::surface_names() const {
   std::string names;
   for (const Surface& s : surfaces) names += (names.empty() ? "" : ", ") + s.name;
   return names.empty() ? "none" : names;
+}
+
+std::vector<char> MeshFile::cells_of(const std::string& name) const {
+  std::vector<char> has;
+  const auto section = std::find(sections.begin(), sections.end(), name);
+  if (section != sections.end()) {
+    for (const Cell& cell : cells) has.push_back(cell.section == section - sections.begin());
+  }
+  for (const Set& set : sets) {
+    if (set.name != name) continue;
+    has.resize(cells.size());
+    for (const unsigned c : set.cells) has[c] = 1;
+  }
+  return has;
+}
+
+std::string MeshFile::set_names() const {
+  std::string names;
+  for (const std::string& name : sections) names += (names.empty() ? "" : ", ") + name;
+  for (const Set& set : sets) names += (names.empty() ? "" : ", ") + set.name;
+  return names;
 }
 
 std::map<std::pair<unsigned, unsigned>, unsigned> MeshFile::mid_nodes() const {

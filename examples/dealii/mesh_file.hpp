@@ -40,6 +40,11 @@ struct MeshFile {
   std::vector<std::string> sections;
   std::vector<Surface> surfaces;
   std::vector<Place> fibres;  ///< of the cells; may be empty
+  struct Set {
+    std::string name;
+    std::vector<unsigned> cells;
+  };
+  std::vector<Set> sets;  ///< that are no sections
 
   /// FILE:LINE: element LABEL
   std::string cell(std::size_t i) const;
@@ -47,6 +52,10 @@ struct MeshFile {
   /// The surface of that name, or nullptr.
   const Surface* surface(const std::string& name) const;
   std::string surface_names() const;
+  /// Of each cell whether it is of the section or set of that name; empty if there is none.
+  std::vector<char> cells_of(const std::string& name) const;
+  /// The names of sections and sets.
+  std::string set_names() const;
   /// The nodes of a surface, those between its corners included, in ascending order.
   std::vector<unsigned> nodes_of(const Surface& surface) const;
   /// The node between two corners of second-degree tetrahedra; -1 if there is none.

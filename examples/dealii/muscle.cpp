@@ -892,10 +892,12 @@ std::string Muscle::assemble_dense(double dt) {
   return {};
 }
 
-/// u_ moves by the solution of the linear system; |rhs| below `target` need not be gone into.
-void Muscle::solve(double target) {
+/// u_ moves by the solution of the linear system; |rhs| below `target` need not be gone into. After the first
+/// iteration Newton's method may end with this solve: it gets the digits that are missing.
+void Muscle::solve(double target, bool first) {
   const double rhs = rhs_.l2_norm();
-  const double tolerance = std::max(parameters_.krylov_tolerance, std::min(0.1, 0.1 * target / rhs));
+  const double tolerance =
+      std::max((first ? 1 : 0.01) * parameters_.krylov_tolerance, std::min(0.1, 0.1 * target / rhs));
   const auto attempt = [&] {
     const Clock clock(costs_.krylov);
     ++costs_.solves;
@@ -925,22 +927,58 @@ void Muscle::solve(double target) {
   }
 }
 
-/// u_ at the end of a step as the polynomial through the last displacements has it.
+/// G's mean over the volume of the muscle, at the begin of the step.
+double Muscle::mean_G() const {
+  double sums[2] = {0, 0};
+  for (const Group& group : groups_) {
+    const std::size_t n = !grows(group) ? 0 : group.n * static_cast<std::size_t>(n_points(group.shape));
+    for (std::size_t p = group.first_point; p < group.first_point + n; ++p) {
+      sums[0] += volumes_[p] * G_n_[p];
+      sums[1] += volumes_[p];
+    }
+  }
+  for (double& x : sums) x = Utilities::MPI::sum(x, comm_);
+  return sums[1] > 0 ? sums[0] / sums[1] : 1;
+}
+
+/// How much mean G will change in a step, by its rates in the last two: one over the rate is linear in time,
+/// as in a relaxation. 0 where this says nothing.
+double Muscle::growth_in(double dt) const {
+  if (before_.size() < 2) return 0;
+  const double t0 = time_, t1 = before_[0].time, t2 = before_[1].time;
+  const double last = mean_G_ - before_[0].G, earlier = before_[0].G - before_[1].G;
+  if (!(last * earlier > 0)) return 0;
+  const double inverse =
+      (t0 - t1) / last + ((t0 - t1) / last - (t1 - t2) / earlier) * (dt + t0 - t1) / (t0 - t2);
+  const double growth = dt / inverse;
+  // A rate that more than doubles is none of a relaxation; short steps before a long one say too little.
+  const bool good = inverse * last > 0.5 * (t0 - t1) && std::min(last / growth, earlier / growth) > 0.05 &&
+                    std::abs(growth) > 1e-7;
+  return good ? growth : 0;
+}
+
+/// u_ at the end of a step, as the parabola through the last three displacements has it: over time while the
+/// attachments move, over the mean of G while they hold, since then only growth moves the nodes.
 void Muscle::predict(double dt) {
   const std::size_t n = std::min<std::size_t>(before_.size(), 2);
   if (!parameters_.predict || n == 0 || dt == 0) return;
-  std::vector<double> times{time_};
-  for (std::size_t k = 0; k < n; ++k) times.push_back(before_[k].first);
-  const double t = time_ + dt;
+  const bool held = std::none_of(attachments_.begin(), attachments_.end(), [&](const Attachment& a) {
+    return a.action.table.changing_for(time_) < never;
+  });
+  const double growth = held ? growth_in(dt) : 0;
+  const bool by_growth = growth != 0;
+  std::vector<double> at{by_growth ? mean_G_ : time_};
+  for (std::size_t k = 0; k < n; ++k) at.push_back(by_growth ? before_[k].G : before_[k].time);
+  const double to = at[0] + (by_growth ? growth : dt);
   const auto weight = [&](std::size_t k) {
     double w = 1;
-    for (std::size_t m = 0; m < times.size(); ++m) {
-      if (m != k) w *= (t - times[m]) / (times[k] - times[m]);
+    for (std::size_t m = 0; m < at.size(); ++m) {
+      if (m != k) w *= (to - at[m]) / (at[k] - at[m]);
     }
     return w;
   };
   u_ *= weight(0);
-  for (std::size_t k = 0; k < n; ++k) u_.add(weight(k + 1), before_[k].second);
+  for (std::size_t k = 0; k < n; ++k) u_.add(weight(k + 1), before_[k].u);
   u_.update_ghost_values();
 }
 
@@ -974,7 +1012,7 @@ Muscle::Attempt Muscle::step(double dt, double part) {
       failure = assemble(dt, true);
       if (!failure.empty()) return {false, failure};
     }
-    solve(target);
+    solve(target, iteration == 0);
     if (last_iterations_ < 0) return {false, "GMRES did not converge"};
     ++costs_.newton;
     for (unsigned node = 0; 3 * node < u_.locally_owned_size(); ++node) {
@@ -1008,10 +1046,11 @@ double Muscle::time_error(double dt) const {
 }
 
 void Muscle::commit(double dt) {
-  before_.insert(before_.begin(), {time_, u_n_});
+  before_.insert(before_.begin(), {time_, mean_G_, u_n_});
   if (before_.size() > 2) before_.pop_back();
   time_ += dt;
   G_n_ = G_;
+  mean_G_ = mean_G();
   lambda_n_ = lambda_;
   u_n_ = u_;
   ++costs_.steps;
@@ -1070,6 +1109,7 @@ bool Muscle::run(const volatile int& asked_to_end) {
   say(sizes.str());
   if (parameters_.resume) {
     read_checkpoint();
+    mean_G_ = mean_G();
     say("resumed at time " + number("%g", time_));
     find_fields();
   } else {

@@ -89,20 +89,23 @@ class Muscle {
 
   // fibres.cpp
   void find_fibres();
-  void flow_fibres();
+  void find_fibres(const Parameters::Fibre& fibre);
+  void flow_fibres(const Parameters::Fibre& fibre);
   void write_fibres() const;
   void trace_fascicles();
 
   // muscle.cpp: a step
   Attempt step(double dt, double part);
   void predict(double dt);
+  double growth_in(double dt) const;
+  double mean_G() const;
   std::string assemble(double dt, bool tangent);
   std::string assemble_compact(double dt, bool tangent);
   std::string assemble_dense(double dt);
   void take_supports(const Group& group, std::size_t cell, double* K);
   void add_loads(std::size_t cell, const double* u, double* R, double* K);
   void prepare_supports(double time, double part);
-  void solve(double target);
+  void solve(double target, bool first);
   std::string describe(const Group& group, const Failure& failure, double dt) const;
   double time_error(double dt) const;
   void commit(double dt);
@@ -198,7 +201,12 @@ class Muscle {
   dealii::AffineConstraints<double> constraints_;  // the same for the dense loop
 
   Vector u_, u_n_, residual_, rhs_, x_;
-  std::vector<std::pair<double, Vector>> before_;  // times and displacements of earlier steps, the last first
+  struct Earlier {
+    double time, G;  // G: mean over the muscle
+    Vector u;
+  };
+  std::vector<Earlier> before_;  // the ends of earlier steps, the last first
+  double mean_G_ = 1;            // of G_n_
   double free_norm_ = 0, support_norm_ = 0, reaction_ = 0, force_floor_ = 0;
   double time_ = 0, dt_ = 0;
   int fresh_iterations_ = -1;  // of the first solve after the last set-up; -1: set up before the next

@@ -223,8 +223,13 @@ void Entries::declare() {
            "other; mesh: of Mesh/File; uniform: Direction; oblique: at Angle to z in the x-z plane; pennate: "
            "the same, inclined towards the plane x = 0 from either side; function: of the place; file: rows "
            "of x y z n1 n2 n3, the nearest row holds");
-    word("From", "PROXIMAL", "a surface of Mesh/File");
-    word("To", "DISTAL", "a surface of Mesh/File");
+    word("From", "PROXIMAL",
+         "surfaces of Mesh/File, parted by commas: an attachment, and aponeuroses that fibres come from");
+    word("To", "DISTAL", "the same for where the fibres go to");
+    word("List", "",
+         "fibres of sections and element sets of Mesh/File, parted by semicolons, in the place of those by "
+         "Kind: NAME uniform X Y Z; NAME flow FROM TO, surfaces or several, parted by commas without blanks; "
+         "NAME mesh. Of an element in several sets the last one holds");
     list("Direction", "0, 0, 1", Patterns::Double(), "three numbers", 3, 3, "any length > 0");
     real("Angle", "0", -90, 90, "[degrees]");
     word("Function", "0; 0; 1", "three expressions in x, y, z, parted by semicolons; any length > 0");
@@ -259,12 +264,16 @@ void Entries::declare() {
     choice("Preconditioner", "ML", "ML|GAMG",
            "algebraic multigrid of Trilinos or of PETSc; GMRES, preconditioned on the right");
     real("Krylov tolerance", "1e-4", 1e-14, 0.1,
-         "of a linear solve, over its right side; no solve goes below a tenth of Newton's [-]");
+         "of the first linear solve of a step, over its right side, and a hundredth of it later; no solve "
+         "goes "
+         "below a tenth of Newton's [-]");
     choice(
         "Set up", "when slow", "when slow|every step",
         "of the preconditioner: when slow: when it takes half as many iterations again as when it was new");
-    choice("Predictor", "true", "true|false",
-           "a step starts from the displacements that the last three suggest");
+    choice(
+        "Predictor", "true", "true|false",
+        "a step starts from the displacements that the last three suggest: over time while attachments move, "
+        "over mean G while they hold");
     choice("Assembly", "compact", "compact|dense",
            "dense: the loop one would write first, to compare with: P and dP/dF of every point, 9 x 9 "
            "products, insertion by deal.II, a tangent at every check of Newton's method; pointwise Volume "
@@ -338,8 +347,8 @@ Parameters values(ParameterHandler& prm) {
   prm.enter_subsection("Fibre");
   p.fibre.kind = prm.get("Kind");
   if (p.fibre.kind == "default" && p.geometry.kind != "mesh") p.fibre.kind = "uniform";
-  p.fibre.from = prm.get("From");
-  p.fibre.to = prm.get("To");
+  p.fibre.from = dealii::Utilities::split_string_list(prm.get("From"));
+  p.fibre.to = dealii::Utilities::split_string_list(prm.get("To"));
   p.fibre.direction = numbers(prm.get("Direction"));
   p.fibre.angle = prm.get_double("Angle") * std::acos(-1.0) / 180;
   p.fibre.function = prm.get("Function");
@@ -432,6 +441,45 @@ std::vector<Parameters::Material> read_materials(const std::string& text, const 
   return materials;
 }
 
+/// Fibre/List. Throws Error.
+std::vector<Parameters::SetFibre> read_set_fibres(const std::string& text, const Parameters& p) {
+  std::vector<Parameters::SetFibre> found;
+  std::istringstream list(text);
+  for (std::string item; std::getline(list, item, ';');) {
+    const auto fail = [&](const std::string& why) {
+      throw Error("Fibre/List: '" + common::visible(item) + "': " + why);
+    };
+    std::istringstream in(item);
+    std::vector<std::string> words;
+    for (std::string word; in >> word;) words.push_back(word);
+    if (words.empty()) continue;
+    Parameters::SetFibre of{words[0], p.fibre};
+    of.fibre.kind = words.size() > 1 ? words[1] : "";
+    const std::size_t n = words.size() - std::min<std::size_t>(words.size(), 2);
+    if (of.fibre.kind == "uniform") {
+      of.fibre.direction.clear();
+      double x, length = 0;
+      for (std::size_t i = 2; i < words.size(); ++i) {
+        if (!common::to_number(words[i], x))
+          fail("expected a number, found '" + common::visible(words[i]) + "'" + common::hint(words[i]));
+        of.fibre.direction.push_back(x);
+        length += std::abs(x);
+      }
+      if (n != 3 || !(length > 0))
+        fail("expected a direction of three numbers, of a length > 0, after 'uniform'");
+    } else if (of.fibre.kind == "flow") {
+      if (n != 2) fail("expected two surfaces after 'flow'");
+      of.fibre.from = dealii::Utilities::split_string_list(words[2]);
+      of.fibre.to = dealii::Utilities::split_string_list(words[3]);
+    } else if (of.fibre.kind != "mesh" || n != 0) {
+      fail("expected NAME and uniform X Y Z, flow FROM TO or mesh" +
+           (of.fibre.kind.empty() ? std::string() : ", found '" + common::visible(of.fibre.kind) + "'"));
+    }
+    found.push_back(of);
+  }
+  return found;
+}
+
 /// What one entry's range cannot say.
 void check_together(const Entries& entries, Parameters& p) {
   const auto check = [&](bool good, const std::string& entry, const std::string& allowed) {
@@ -453,10 +501,12 @@ void check_together(const Entries& entries, Parameters& p) {
     check(mesh || !given, entry, "empty without Mesh/File");
   };
   const std::string actions = entries.prm().get({"Attachments"}, "List"),
-                    materials = entries.prm().get({"Materials"}, "List");
+                    materials = entries.prm().get({"Materials"}, "List"),
+                    fibres = entries.prm().get({"Fibre"}, "List");
   only_with_mesh("Attachments/List", !actions.empty());
   only_with_mesh("Attachments/Protocol", !p.attachments.protocol.empty());
   only_with_mesh("Materials/List", !materials.empty());
+  only_with_mesh("Fibre/List", !fibres.empty());
   check(mesh || (p.fibre.kind != "flow" && p.fibre.kind != "mesh"), "Fibre/Kind",
         "another one without Mesh/File");
   check(!mesh || p.tendon_length == 0, "Tendon/Length", "0 with Mesh/File, whose tendons are sections");
@@ -503,6 +553,7 @@ void check_together(const Entries& entries, Parameters& p) {
 
   p.attachments.actions = read_actions(actions, TimeTable({{0, 0}, {p.ramp, 1}}));
   p.materials = read_materials(materials, p);
+  p.set_fibres = read_set_fibres(fibres, p);
   if (!p.attachments.protocol.empty())
     p.attachments.stretching =
         read_protocol(p.attachments.protocol, entries.prm().get_double({"Attachments"}, "Cycle"), p.end);

@@ -60,13 +60,19 @@ struct Parameters {
   double tendon_length, tendon_stiffness;  ///< [length], [-]
 
   struct Fibre {
-    std::string kind;               ///< flow, mesh, uniform, oblique, pennate, function or file
-    std::string from, to;           ///< surfaces that the flow goes between
-    std::vector<double> direction;  ///< uniform
-    double angle;                   ///< oblique and pennate [rad]
-    std::string function;           ///< three expressions in x, y, z
+    std::string kind;                   ///< flow, mesh, uniform, oblique, pennate, function or file
+    std::vector<std::string> from, to;  ///< surfaces that the flow goes between
+    std::vector<double> direction;      ///< uniform
+    double angle;                       ///< oblique and pennate [rad]
+    std::string function;               ///< three expressions in x, y, z
     std::string file;
   } fibre;
+  /// Fibres of a section or set of the mesh file, in the place of the others.
+  struct SetFibre {
+    std::string set;
+    Fibre fibre;
+  };
+  std::vector<SetFibre> set_fibres;
 
   std::string ends;  ///< clamped, free or mixed
   double pull;       ///< displacement of the distal end [length]

@@ -65,14 +65,16 @@ std::vector<double> percentiles(const std::vector<Distribution>& all, const std:
 }  // namespace
 
 /// The thirds of the length between the attachments' centroids, what lies beyond them included; all; and
-/// every section of the mesh file.
+/// every section and set of the mesh file.
 void Muscle::find_regions() {
   const auto add = [&](const std::string& name, const auto& has) {
     Region region{name, {}, 0};
     for (const Group& group : groups_) {
-      const std::size_t n = group.n * static_cast<std::size_t>(n_points(group.shape));
-      for (std::size_t p = group.first_point; p < group.first_point + n; ++p) {
-        if (has(group, p)) region.points.push_back(p);
+      const auto n = static_cast<std::size_t>(n_points(group.shape));
+      for (std::size_t c = group.first_cell; c < group.first_cell + group.n; ++c) {
+        for (std::size_t p = first_point_[c]; p < first_point_[c] + n; ++p) {
+          if (has(group, c, p)) region.points.push_back(p);
+        }
       }
     }
     for (const std::size_t p : region.points) region.volume += volumes_[p];
@@ -82,14 +84,21 @@ void Muscle::find_regions() {
   const Point<3> start = proximal_start_;
   const char* const thirds[] = {"proximal", "middle", "distal"};
   for (int third = 0; third < 3; ++third) {
-    add(thirds[third], [&](const Group& group, std::size_t p) {
+    add(thirds[third], [&](const Group& group, std::size_t, std::size_t p) {
       const double part = (place(p) - start) * line_ / line_length_;
       return grows(group) && std::min(2, std::max(0, static_cast<int>(std::floor(3 * part)))) == third;
     });
   }
-  add("all", [&](const Group& group, std::size_t) { return grows(group); });
+  add("all", [&](const Group& group, std::size_t, std::size_t) { return grows(group); });
   for (std::size_t m = 0; m < materials_.size() && file_.has_sections; ++m) {
-    add(materials_[m].section, [&](const Group& group, std::size_t) { return group.material == m; });
+    add(materials_[m].section,
+        [&](const Group& group, std::size_t, std::size_t) { return group.material == m; });
+  }
+  for (const MeshFile::Set& set : file_.sets) {
+    const std::vector<char> in_set = file_.cells_of(set.name);
+    add(set.name, [&](const Group&, std::size_t c, std::size_t) {
+      return in_set[cells_[c]->id().get_coarse_cell_id()] != 0;
+    });
   }
 }
 

@@ -44,7 +44,9 @@ class Input:
         self.names = [text(f"Attachments/{side}", side.upper()) for side in ("Proximal", "Distal")]
         if not np.linalg.norm(self.direction) > 0:
             self.refuse("Fibre/Direction", "a direction of a length > 0")
-        for name in (*self.surfaces, *self.names):
+        self.set_fibres = self.read_set_fibres(text("Fibre/List", ""))
+        flows = [*self.surfaces, *(s for of in self.set_fibres for s in of[3:])]
+        for name in (*(name.strip() for names in flows for name in names.split(",")), *self.names):
             if name not in mesh.surfaces:
                 fail(mesh.path, f"has no surface {name}; there are {', '.join(mesh.surfaces)}")
         self.ramp, self.end = self.number("Time/Ramp", 1.0), self.number("Time/End", 42.0)
@@ -88,6 +90,25 @@ class Input:
         if value not in allowed:
             self.refuse(name, " or ".join(allowed))
         return value
+
+    def read_set_fibres(self, text):
+        """[(set, kind, direction, from, to)]"""
+        found = []
+        for item in filter(None, map(str.strip, text.split(";"))):
+            name, kind, *more = [*item.split(), ""]
+            more = more[:-1]
+            if name not in self.mesh.sections and name not in self.mesh.sets:
+                fail("Fibre/List", f"there is no section or set {name}; there are {', '.join([*self.mesh.sections, *self.mesh.sets])}")
+            try:
+                direction = np.array(list(map(float, more))) if kind == "uniform" else None
+                surfaces = more if kind == "flow" else self.surfaces
+                if kind not in ("uniform", "flow", "mesh") or len(more) != {"uniform": 3, "flow": 2, "mesh": 0}[kind] or \
+                        (direction is not None and not 0 < np.linalg.norm(direction) < np.inf):
+                    raise ValueError
+            except ValueError:
+                fail("Fibre/List", f"{files.shown(item)}: expected NAME and uniform X Y Z, flow FROM TO or mesh")
+            found.append((name, kind, direction, *surfaces))
+        return found
 
     def read_materials(self, text, muscle):
         """{section: PROPS without fibre and options, or with them}"""
@@ -140,8 +161,8 @@ class Input:
                                          "and 'at TIME:FACTOR ...'")
             if name not in mesh.surfaces:
                 fail("Attachments/List", f"there is no surface {name}; there are {', '.join(mesh.surfaces)}")
-            if any(b[0] < a[0] for a, b in zip(table, table[1:])):
-                fail("Attachments/List", f"{files.shown(item)}: the times after 'at' must ascend")
+            if any(b[0] <= a[0] for a, b in zip(table, table[1:])):
+                fail("Attachments/List", f"{files.shown(item)}: the times after 'at' must ascend; a deck cannot have jumps")
             side = -1 if name == self.names[0] else 1
             u = np.zeros(3) if kind == "fixed" else np.array(numbers) if kind == "displaced" else side * numbers[0] * line
             found[name] = (u, table)
@@ -212,6 +233,8 @@ def _mesh(mesh, labels, numbers):
             text.append(", ".join(map(str, (number, *nodes))) + "\n")
     for k, name in enumerate(mesh.sections):
         text.append(_set("ELSET", clean(name), numbers[mesh.section == k].tolist()))
+    for name, cells in mesh.sets.items():
+        text.append(_set("ELSET", clean(name), numbers[cells].tolist()))
     for name in mesh.surfaces:
         text.append(_set("NSET", clean(name), labels[fibres.surface_nodes(mesh, name)].tolist()))
     return "".join(text)
@@ -362,7 +385,7 @@ def write(code, mesh, entries, out):
     if degree[0] == "2":
         second_degree(mesh)
     given = Input(entries, mesh)
-    n0 = fibres.at_points(mesh, given.fibre, given.direction, *given.surfaces)
+    n0 = fibres.at_points(mesh, given.fibre, given.direction, *given.surfaces, given.set_fibres)
     deck = out / f"muscle_{code}.inp"
     written = [deck, out / "fibres.vtu"]
     files.write_text(deck, {"calculix": calculix, "abaqus": abaqus}[code](given, n0), encoding="ascii")

@@ -41,8 +41,8 @@ def surface_nodes(mesh, name):
 
 
 def potential(mesh, start, end, gradients):
-    """phi in the nodes, by conjugate gradients."""
-    fixed = [surface_nodes(mesh, name) for name in (start, end)]
+    """phi in the nodes, by conjugate gradients; `start` and `end` are names of surfaces, or several parted by commas."""
+    fixed = [np.any([surface_nodes(mesh, name.strip()) for name in names.split(",")], axis=0) for names in (start, end)]
     if (fixed[0] & fixed[1]).any():
         fail(mesh.path, f"{start} and {end} touch")
     phi, free = fixed[1].astype(float), ~(fixed[0] | fixed[1])
@@ -106,8 +106,20 @@ def flow(mesh, start="PROXIMAL", end="DISTAL"):
     return n0, lacking
 
 
-def at_points(mesh, kind, direction=None, start="PROXIMAL", end="DISTAL"):
-    """{type: (cells, points, 3)} by the Fibre/Kind of the solver: default, flow, mesh or uniform."""
+def at_points(mesh, kind, direction=None, start="PROXIMAL", end="DISTAL", of_sets=()):
+    """{type: (cells, points, 3)} by the Fibre/Kind of the solver: default, flow, mesh or uniform. `of_sets`: (set, kind,
+    direction, start, end) of Fibre/List."""
+    n0 = _of_all(mesh, kind, direction, start, end)
+    for name, *of in of_sets:
+        own = _of_all(mesh, *of)
+        inside = np.zeros(len(mesh.cell_labels), dtype=bool)
+        inside[mesh.sets[name] if name in mesh.sets else mesh.section == mesh.sections.index(name)] = True
+        for k, cells in mesh.kinds.items():
+            n0[k][inside[cells]] = own[k][inside[cells]]
+    return n0
+
+
+def _of_all(mesh, kind, direction, start, end):
     if kind == "default":
         kind = "flow" if mesh.fibres is None else "mesh"
     if kind == "flow":

@@ -5,11 +5,12 @@ counted from 0 in the order of the file, as ParaView does.
 """
 import contextlib
 import io
+import pathlib
 import re
 
 import numpy as np
 
-from raw import Cell, Raw, fail
+from raw import Cell, Raw, fail, some
 from shared import files
 
 SOLIDS = {4: ("tet4", 4), 11: ("tet10", 10), 5: ("hex8", 8), 6: ("wedge6", 6)}  # Gmsh's types
@@ -34,6 +35,7 @@ class _Msh:
     def __init__(self, path):
         self.raw, self.groups, self.entities, self.index = Raw(path, [path]), {}, {}, {}
         self.seen, self.repeated, self.low = {}, 0, 0
+        self.fields, self.unused = {}, []  # of $ElementData with three components: {name: {label: vector}}
         self.lines, self.at = files.read_text(path).split("\n"), 0
 
     def fail(self, words, line=None):
@@ -55,7 +57,7 @@ class _Msh:
             pass
         self.fail(f"{files.shown(text)}: expected {expected}")
 
-    def read(self, names):
+    def read(self, names, fibre):
         version = None
         while self.at < len(self.lines):
             text = self.next("a section")
@@ -71,10 +73,11 @@ class _Msh:
                     self.fail(f"{files.shown(text)}: expected 2.2 or 4.1, and 0 for ASCII")
             elif name == "PartitionedEntities":
                 self.fail("the mesh is partitioned: save it whole")
-            elif version and name in ("PhysicalNames", "Entities", "Nodes", "Elements"):
-                read = {"PhysicalNames": self.physical_names, "Entities": self.read_entities}.get(name)
+            elif version and name in ("PhysicalNames", "Entities", "Nodes", "Elements", "ElementData"):
+                read = {"PhysicalNames": self.physical_names, "Entities": self.read_entities, "ElementData": self.element_data}.get(name)
                 (read or getattr(self, f"{name.lower()}_{version[0]}"))()
             else:
+                self.unused.append(name)
                 while self.next(f"$End{name}") != f"$End{name}":
                     pass
                 continue
@@ -89,8 +92,36 @@ class _Msh:
             raw.notes.append(f"{self.repeated} elements are there more than once, for several physical groups: taken once")
         if self.low:
             raw.notes.append(f"{self.low} points and lines are not used")
+        unused = [name for name in dict.fromkeys(self.unused) if name not in ("Comments", "Periodic", "Parametrizations")]
+        if unused:
+            raw.notes.append("sections that are not used: " + ", ".join("$" + name for name in unused))
+        self.find_fibres(fibre)
         rename(raw, names)
         return raw
+
+    def find_fibres(self, wanted):
+        raw = self.raw
+        name = pick(raw.path, "fibre", {name: [np.zeros((1, 3))] for name in self.fields}, wanted, FIBRES, lambda a: True)
+        if name is None:
+            return
+        values = self.fields[name]
+        lacking = [cell.label for cell in raw.cells if cell.label not in values]
+        if lacking:
+            fail(raw.path, f"$ElementData '{name}': has no fibre for elements {some(lacking)}")
+        raw.fibres, raw.fibres_from = [tuple(values[cell.label]) for cell in raw.cells], f"$ElementData '{name}'"
+
+    def element_data(self):
+        tags = [[self.next("a tag") for _ in range(self.numbers("the number of tags", 1)[0])] for _ in range(3)]
+        name = (tags[0] or [""])[0].strip('"')
+        _, components, count = [*self.numbers("step, components, rows", 3, text=" ".join(tags[2])), 0][:3]
+        rows = {}
+        for _ in range(count):
+            label, *values = self.numbers(f"an element's number and {components} numbers", 1 + components, float)
+            rows[int(label)] = values[:components]
+        if components == 3:
+            self.fields[name] = rows
+        else:
+            self.unused.append(f"ElementData '{name}' ({components} components)")
 
     def physical_names(self):
         for _ in range(self.numbers("the number of names", 1)[0]):
@@ -186,11 +217,11 @@ def rename(raw, names):
             table.setdefault(named(name), []).extend(table.pop(number))
 
 
-def read_msh(path, names=None):
+def read_msh(path, names=None, fibre=None):
     head = files.read_bytes(path)[:200].split(b"\n")
     if head[0].strip() == b"$MeshFormat" and len(head) > 1 and head[1].split()[1:2] == [b"1"]:
-        return read_meshio(path, names, file_format="gmsh")
-    return _Msh(path).read(names)
+        return read_meshio(path, names, fibre=fibre, file_format="gmsh")
+    return _Msh(path).read(names, fibre)
 
 
 # ---- By meshio
@@ -199,12 +230,13 @@ def read_meshio(path, names=None, region=None, fibre=None, file_format=None):
     import meshio
 
     files.read_bytes(path)[:1]  # says so if it cannot be read
+    file_format = file_format or pathlib.Path(path).suffix[1:].lower()
     try:
-        with contextlib.redirect_stderr(io.StringIO()):  # what it says there is in the exception
-            mesh = meshio.read(path, file_format)
+        with contextlib.redirect_stderr(io.StringIO()), contextlib.redirect_stdout(io.StringIO()):
+            mesh = getattr(meshio, file_format).read(path)  # meshio.read() ends the program without saying why
     except (Exception, SystemExit) as e:  # meshio has no exception of its own for most faults
-        hint = "; save it as ASCII (Mesh.Binary = 0)" if file_format == "gmsh" else ""
-        fail(path, f"meshio cannot read it: {type(e).__name__}: {e}{hint}")
+        hint = {"gmsh": "save it as ASCII (Mesh.Binary = 0)", "vtk": "save it as .vtu, or as ASCII"}.get(file_format, "")
+        fail(path, "; ".join(filter(None, (f"meshio cannot read it: {type(e).__name__}" + f": {e}".rstrip(": "), hint))))
     raw = Raw(path, [path])
     points = np.asarray(mesh.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3:
@@ -213,9 +245,11 @@ def read_meshio(path, names=None, region=None, fibre=None, file_format=None):
     raw.node_labels = list(range(len(points)))
     raw.node_places = [(0, 0)] * len(points)
     raw.notes.append("nodes and elements are counted from 0, in the order of the file")
-    arrays = {name: [np.asarray(v) for v in values] for name, values in mesh.cell_data.items()}
+    arrays = {name: [plain(v) for v in values] for name, values in mesh.cell_data.items()}
+    at_points = {name: plain(values) for name, values in mesh.point_data.items()}
     region = pick(path, "region", arrays, region, REGIONS, lambda a: a.ndim == 1 and np.array_equal(a, np.round(a)))
-    fibre = pick(path, "fibre", arrays, fibre, FIBRES, lambda a: a.ndim == 2 and a.shape[1] == 3)
+    vectors = {name: [values] for name, values in at_points.items() if name not in arrays}
+    fibre = pick(path, "fibre", {**vectors, **arrays}, fibre, FIBRES, lambda a: a.ndim == 2 and a.shape[1] == 3)
     groups = {(int(d), int(tag)): named(name) for name, (tag, d) in mesh.field_data.items()} if file_format == "gmsh" else {}
     fibres, label = [], 0
     flags = [name for name, values in arrays.items() if name != region and named(name) not in map(named, REGIONS)
@@ -236,23 +270,35 @@ def read_meshio(path, names=None, region=None, fibre=None, file_format=None):
                     if arrays[name][b][i]:
                         raw.elsets.setdefault(named(name), []).append(len(raw.cells))
                 raw.cells.append(Cell(OF_MESHIO[kind], label, nodes, (0, 0)))
-                if fibre:
+                if fibre in arrays:
                     fibres.append(tuple(arrays[fibre][b][i].tolist()))
+                elif fibre:
+                    fibres.append(mean_direction(at_points[fibre][nodes]))
             elif kind in PLANES_OF_MESHIO and region:
                 raw.surfaces.setdefault(groups.get((2, group), str(group)), []).append(tuple(nodes[:PLANES_OF_MESHIO[kind]]))
             label += 1
-    for name, values in mesh.point_data.items():
-        values = np.asarray(values)
+    for name, values in at_points.items():
         if values.ndim == 1 and np.isin(values, (0, 1)).all():
             raw.nsets[named(name)] = np.flatnonzero(values).tolist()
     if not raw.cells:
         fail(path, "has no tetrahedra, hexahedra or wedges")
     if fibre:
-        raw.fibres, raw.fibres_from = fibres, f"cell data '{fibre}'"
+        raw.fibres, raw.fibres_from = fibres, f"{'cell' if fibre in arrays else 'point'} data '{fibre}'"
     if region:
         raw.notes.append(f"sections and surfaces by the cell data '{region}'")
     rename(raw, names)
     return raw
+
+
+def plain(values):
+    """Fields of one component, which legacy VTK has as (n, 1), as (n,)."""
+    values = np.asarray(values)
+    return values[:, 0] if values.ndim == 2 and values.shape[1] == 1 else values
+
+
+def mean_direction(vectors):
+    """Of the nodes of a cell. A fibre has no sign: all are taken as the first one points."""
+    return tuple((vectors * np.where(vectors @ vectors[0] < 0, -1, 1)[:, None]).sum(axis=0).tolist())
 
 
 def pick(path, what, arrays, wanted, usual, fits):

@@ -236,6 +236,28 @@ def draw_regions(out):
     pictures.save(fig, out / "regions.png")
 
 
+def draw_against(out, other):
+    """The thirds of this run, and of another one with regions.csv (./run mpi: the cylinder), on the same axes."""
+    runs = [(out, "-", 2.0), (other, "--", 1.2)]
+    fig, axes = plt.subplots(1, 3, figsize=(11.4, 3.6))
+    for folder, style, width in runs:
+        regions = read_regions(folder / "regions.csv")
+        for name, (colour, *_) in LINES.items():
+            if name in regions:
+                r = regions[name]
+                for ax, column in zip(axes, ("lambda_e_p50", "lambda_e_p99", "G_p50")):
+                    ax.plot(r["time"], r[column], color=colour, ls=style, lw=width)
+    for ax, title, label in zip(axes, ("elastic stretch: median", "elastic stretch that 1 % exceeds", "sarcomere number: median"),
+                                (r"$\lambda_e$ [-]", r"$\lambda_e$ [-]", r"$G$ [-]")):
+        ax.set_title(title, loc="left")
+        ax.set(xlabel="time [days]", ylabel=label)
+    handles = [plt.Line2D([], [], color=colour, label=f"{name} third") for name, (colour, *_) in LINES.items()]
+    handles += [plt.Line2D([], [], color="0.3", ls=style, lw=width, label=str(folder)) for folder, style, width in runs]
+    axes[2].legend(handles=handles, loc="lower right")
+    fig.tight_layout()
+    pictures.save(fig, out / "against.png")
+
+
 def write_hot_volume(mesh, out):
     """Where the 1 % of the muscle's volume lies whose elements are stretched most: hot_volume.csv, before the deformation."""
     outer = facets(mesh)
@@ -260,9 +282,11 @@ def write_hot_volume(mesh, out):
     files.write_csv(out / "hot_volume.csv", HOT, rows)
 
 
-def draw(mesh, out, ramp):
+def draw(mesh, out, ramp, against=None):
     write_hot_volume(mesh, out)
     with plt.rc_context(pictures.LAYOUT):
         draw_muscle(mesh, out, ramp)
     with plt.rc_context(pictures.GRID):
         draw_regions(out)
+        if against:
+            draw_against(out, against)

@@ -6,6 +6,7 @@
 import argparse
 import pathlib
 import re
+import sys
 
 import numpy as np
 
@@ -35,6 +36,19 @@ POINTS = {
     "wedge6": (np.array([[*p, z] for z in (-_G, _G) for p in ((1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3))]), 1 / 6,
                np.array([[*p, z] for z in (-1, 1) for p in _PRISM])),
 }
+
+
+def _triangle6():
+    """Weights, shape functions and their two derivatives (points, 6) at points exact to fourth order (Dunavant 1985)."""
+    rows = [(a, w / 2, k) for a, w in ((0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322)) for k in range(3)]
+    slope, after = np.array([[-1, -1], [1, 0], [0, 1]]), [1, 2, 0]
+    L = np.array([[1 - 2 * a if i == k else a for i in range(3)] for a, _, k in rows])
+    N = np.hstack([L * (2 * L - 1), 4 * L * L[:, after]])
+    d = [np.hstack([(4 * L - 1) * s, 4 * (s * L[:, after] + L * s[after])]) for s in slope.T]
+    return np.array([w for _, w, _ in rows]), N, *d
+
+
+TRIANGLE6 = _triangle6()
 
 
 def shape_derivatives(kind, at):
@@ -81,6 +95,10 @@ def quality(kind, X):
         squares = sum(np.sum((X[:, a] - X[:, b])**2, axis=1) for a, b in EDGES)
         return 12 * np.cbrt(3 * np.maximum(volumes("tet4", X), 0))**2 / squares
     J = np.einsum("cni,pnj->cpij", X, shape_derivatives(kind, POINTS[kind][2]))
+    if kind == "wedge6":  # the two edges of the triangle that meet at the corner
+        corner = np.arange(6)
+        ends = [3 * (corner // 3) + (corner + k) % 3 for k in (1, 2)]
+        J[..., :2] = np.stack([X[:, end] - X for end in ends], axis=-1)
     scaled = np.linalg.det(J) / np.linalg.norm(J, axis=2).prod(axis=2)
     return scaled.min(axis=1) / (np.sqrt(0.75) if kind == "wedge6" else 1)
 
@@ -101,8 +119,10 @@ class Mesh:
             if cells:
                 self.kinds[kind] = np.array(cells)
                 self.nodes_of[kind] = np.array([raw.cells[i].nodes for i in cells])
+        self._between = None, {}
         self.sections, self.section = [], None  # names; (cells,) their indices
         self.surfaces = {}  # name to facets, (corners) each
+        self.sets = {}  # name to (cells,) of the element sets that are no sections
         self.fibres = None if raw.fibres is None else np.array(raw.fibres, dtype=float)
 
     def corners(self, kind):
@@ -115,24 +135,41 @@ class Mesh:
             values[cells] = function(kind, self.corners(kind))
         return values
 
+    def between(self):
+        """{(corner, corner): node between them} of tetrahedra of ten nodes."""
+        nodes = self.nodes_of.get("tet10", np.zeros((0, 10), dtype=int))
+        if self._between[0] is not nodes:
+            pairs = map(tuple, np.sort(nodes[:, EDGES].reshape(-1, 2), axis=1).tolist())
+            self._between = nodes, dict(zip(pairs, nodes[:, 4:].ravel().tolist()))
+        return self._between[1]
+
     def facet_vectors(self, name):
-        """(facets, 3) outward area vectors and (facets, 3) centroids of a surface's facets."""
-        vectors, centres = [], []
+        """(facets, 3) outward area vectors, (facets, 3) centroids and (facets,) areas of a surface's facets, curved where they are."""
+        between = self.between()
+        if between and self.surfaces[name]:
+            facets = np.array([[*f, *(between[tuple(sorted((f[k], f[(k + 1) % 3])))] for k in range(3))] for f in self.surfaces[name]])
+            x, x1, x2 = (np.einsum("qa,fai->fqi", values, self.X[facets]) for values in TRIANGLE6[1:])
+            normals = TRIANGLE6[0][:, None] * np.cross(x1, x2)
+            sizes = np.linalg.norm(normals, axis=2)[..., None]
+            areas = sizes.sum(axis=1)
+            return normals.sum(axis=1), (sizes * x).sum(axis=1) / np.maximum(areas, 1e-300), areas[:, 0]
+        vectors, centres, areas = [], [], []
         for facet in self.surfaces[name]:
             X = self.X[list(facet)]
             parts = [(X[0], X[k], X[k + 1]) for k in range(1, len(X) - 1)]
-            areas = [np.cross(b - a, c - a) / 2 for a, b, c in parts]
-            sizes = [np.linalg.norm(v) for v in areas]
-            vectors.append(np.sum(areas, axis=0))
-            centres.append(sum(s * (a + b + c) / 3 for s, (a, b, c) in zip(sizes, parts)) / max(sum(sizes), 1e-300))
-        return np.array(vectors), np.array(centres)
+            normals = [np.cross(b - a, c - a) / 2 for a, b, c in parts]
+            sizes = [np.linalg.norm(v) for v in normals]
+            vectors.append(np.sum(normals, axis=0))
+            areas.append(sum(sizes))
+            centres.append(sum(s * (a + b + c) / 3 for s, (a, b, c) in zip(sizes, parts)) / max(areas[-1], 1e-300))
+        return np.array(vectors), np.array(centres), np.array(areas)
 
     def area(self, name):
-        return np.linalg.norm(self.facet_vectors(name)[0], axis=1).sum()
+        return self.facet_vectors(name)[2].sum()
 
     def centroid(self, name):
-        vectors, centres = self.facet_vectors(name)
-        return np.average(centres, axis=0, weights=np.linalg.norm(vectors, axis=1))
+        _, centres, areas = self.facet_vectors(name)
+        return np.average(centres, axis=0, weights=areas)
 
 
 # ---- Checks
@@ -235,6 +272,17 @@ def check_faces(mesh, turned):
         fail(raw.cell(inverted[0]), ("is inside out: with its nodes in the other order" if len(inverted) < len(found) else "")
              + f" it overlaps its neighbours, so that a node is at a wrong place; {len(inverted)} such elements: "
              f"{some(mesh.cell_labels[inverted])}")
+    outer = np.ones(len(keys), dtype=bool)
+    outer[pairs] = outer[pairs + 1] = False
+    facets = {tuple(int(n) for n in k if n >= 0): tuple(int(n) for n in f if n >= 0) for k, f in zip(keys[outer], corners[outer])}
+    for facet, c in [(f, c) for f, c in zip(facets.values(), cells[outer]) if len(f) == 4]:
+        for k in range(4):
+            triangle = tuple(sorted(n for j, n in enumerate(facet) if j != k))
+            if triangle in facets:
+                other = cells[outer][list(facets).index(triangle)]
+                fail(raw.cell(c), f"a quadrilateral face of this {mesh.cell_kinds[c]} lies on a triangle of the "
+                     f"{mesh.cell_kinds[other]} {mesh.cell_labels[other]}: such faces do not join (a pyramid would, which deal.II "
+                     "does not have with them); mesh both sides with the same kind of face")
     part = list(range(len(mesh.cell_labels)))
 
     def first_of(c):
@@ -251,14 +299,6 @@ def check_faces(mesh, turned):
     if len(heads) > 1:
         fail(raw.cell(heads[np.argsort(counts)[-2]]), f"no face joins it to the rest: the mesh is of {len(heads)} parts, of "
              f"{some(sorted(counts, reverse=True))} elements; parts must share nodes")
-    outer = np.ones(len(keys), dtype=bool)
-    outer[pairs] = outer[pairs + 1] = False
-    facets = {tuple(int(n) for n in k if n >= 0): tuple(int(n) for n in f if n >= 0) for k, f in zip(keys[outer], corners[outer])}
-    for facet in [f for f in facets.values() if len(f) == 4]:
-        for k in range(4):
-            if tuple(sorted(n for j, n in enumerate(facet) if j != k)) in facets:
-                i = cells[outer][[tuple(sorted(facet)) == tuple(x) for x in keys[outer].tolist()].index(True)]
-                fail(raw.cell(i), "a quadrilateral face of it lies on triangles: such faces do not join")
     return facets
 
 
@@ -347,9 +387,32 @@ def choose_sections(mesh, wanted):
     if len(without):
         fail(raw.cell(without[0]), f"is in none of the sections {some(chosen)}" + also(mesh, without))
     mesh.sections, mesh.section = chosen, section
+    # Names of Abaqus/CAE's internal sets begin with _.
+    mesh.sets = {name: np.unique(np.array(cells, dtype=int)) for name, cells in
+                 ((fields.named(name), cells) for name, cells in raw.elsets.items()) if cells and name not in chosen and name[0] != "_"}
 
 
-def choose_surfaces(mesh, outer, ends, names):
+def near(X, places, distance):
+    """(nodes,) whether a node is within a distance of some places."""
+    return np.array([len(places) > 0 and np.linalg.norm(places - x, axis=1).min() <= distance for x in X])
+
+
+def widen(mesh, outer, distance):
+    """Attachments get the surface's facets within a distance of them; with distance < 0 they lose those at their border."""
+    for end in ENDS:
+        own = {tuple(sorted(f)) for f in mesh.surfaces[end]}
+        nodes = {n for f in own for n in f}
+        border = nodes & {n for key in outer if key not in own for n in key}
+        at = np.array(sorted({n for key in outer for n in key}))
+        close = set(at[near(mesh.X[at], mesh.X[sorted(nodes if distance > 0 else border)], abs(distance))].tolist())
+        mesh.surfaces[end] = [f for key, f in outer.items() if key in own and (distance > 0 or not close & set(key))
+                              or distance > 0 and close >= set(key)]
+        mesh.notes.append(f"--widen {distance:g}: {end} has {len(mesh.surfaces[end])} facets instead of {len(own)}")
+        if not mesh.surfaces[end]:
+            fail(mesh.raw.path, f"--widen {distance:g}: nothing is left of {end}")
+
+
+def choose_surfaces(mesh, outer, ends, names, wider=0):
     """All surfaces, and all sets of nodes that hold facets of the mesh's surface. PROXIMAL and DISTAL must be among them."""
     raw = mesh.raw
     for name, facets in raw.surfaces.items():
@@ -392,6 +455,8 @@ def choose_surfaces(mesh, outer, ends, names):
             if name != end:
                 mesh.notes.append(f"{end} is {name}")
                 mesh.surfaces[end] = mesh.surfaces[name]
+    if wider:
+        widen(mesh, outer, wider)
     held = []
     for end in ENDS:
         facets = mesh.surfaces[end]
@@ -410,7 +475,7 @@ def find_ends(mesh, outer, axis, tolerance):
     sign, axis = (-1 if axis[0] == "-" else 1), "xyz".index(axis[-1])
     facets = list(outer.values())
     mesh.surfaces["?"] = facets
-    vectors, _ = mesh.facet_vectors("?")
+    vectors, *_ = mesh.facet_vectors("?")
     del mesh.surfaces["?"]
     facing = sign * vectors[:, axis] / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)
     at = sign * mesh.X[:, axis]
@@ -420,8 +485,12 @@ def find_ends(mesh, outer, axis, tolerance):
         "PROXIMAL": [f for f, c in zip(facets, facing) if c < -0.5 and (at[list(f)] <= low + tolerance).all()],
         "DISTAL": [f for f, c in zip(facets, facing) if c > 0.5 and (at[list(f)] >= high - tolerance).all()],
     }
-    for name, extreme in (("PROXIMAL", low), ("DISTAL", high)):
+    for name, side, extreme in (("PROXIMAL", -1, low), ("DISTAL", 1, high)):
         held = {n for f in found[name] for n in f}
+        if not held:
+            needed = [np.abs(at[list(f)] - extreme).max() for f, c in zip(facets, facing) if side * c > 0.5]
+            fail(mesh.raw.path, f"--ends: no facet that faces along {'xyz'[axis]} lies within {tolerance:g} mm of {'xyz'[axis]} = "
+                 f"{sign * extreme:.6g} mm, for {name}" + (f"; the first does within {min(needed):.3g} mm" if needed else ""))
         mesh.notes.append(f"--ends: {name} are {len(found[name])} facets with {len(held)} nodes within {tolerance:g} mm of "
                           f"{'xyz'[axis]} = {sign * extreme:.6g} mm")
     return found
@@ -438,7 +507,7 @@ def check_fibres(mesh):
     mesh.notes.append(f"fibres by {mesh.raw.fibres_from}")
 
 
-def checked(raw, unit, ends=None, names=(None, None), sections=None):
+def checked(raw, unit, ends=None, names=(None, None), sections=None, wider=0):
     """The Mesh of what was read, or a FileError."""
     mesh = Mesh(raw, unit)
     turned = check_cells(mesh)
@@ -446,7 +515,7 @@ def checked(raw, unit, ends=None, names=(None, None), sections=None):
     outer = check_faces(mesh, turned)
     check_middles(mesh)
     choose_sections(mesh, sections)
-    choose_surfaces(mesh, outer, ends, names)
+    choose_surfaces(mesh, outer, ends, names, wider)
     check_fibres(mesh)
     mesh.outer_facets = len(outer)
     mesh.n_sets = {name: len(nodes) for name, nodes in raw.nsets.items()}
@@ -461,17 +530,52 @@ def checked(raw, unit, ends=None, names=(None, None), sections=None):
     return mesh
 
 
+CORNER_PARTS = np.array([(0, 4, 6, 7), (4, 1, 5, 8), (6, 5, 2, 9), (7, 8, 9, 3)])  # of a tetrahedron; 4 to 9: middles of EDGES
+DIAGONALS = {(4, 9): (5, 6, 7, 8), (5, 7): (4, 6, 9, 8), (6, 8): (4, 5, 9, 7)}  # of the octahedron between them, and who surrounds them
+
+
+def refine(mesh):
+    """Parts each tetrahedron into eight; the octahedron in its middle along its shortest diagonal. Edges stay straight."""
+    if list(mesh.kinds) != ["tet4"]:
+        fail(mesh.path, f"--refine: must be 0 for a mesh of {', '.join(mesh.kinds)}: only tetrahedra of four nodes are refined")
+    corners, n = mesh.nodes_of["tet4"], len(mesh.X)
+    pairs, index = np.unique(np.sort(corners[:, EDGES].reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    mesh.X = np.vstack([mesh.X, mesh.X[pairs].mean(axis=1)])
+    nodes = np.hstack([corners, n + index.reshape(-1, 6)])
+    lengths = np.stack([np.linalg.norm(mesh.X[nodes[:, a]] - mesh.X[nodes[:, b]], axis=1) for a, b in DIAGONALS])
+    inner = np.array([[(a, b, ring[k], ring[k - 1]) for k in range(4)] for (a, b), ring in DIAGONALS.items()])
+    parts = np.concatenate([np.broadcast_to(CORNER_PARTS, (len(nodes), 4, 4)), inner[np.argmin(lengths, axis=0)]], axis=1)
+    cells = np.take_along_axis(nodes[:, None], parts, axis=2).reshape(-1, 4)
+    other = determinants("tet4", mesh.X[cells], POINTS["tet4"][0])[:, 0] < 0
+    cells[other] = cells[other][:, [0, 2, 1, 3]]
+    middle = dict(zip(map(tuple, pairs.tolist()), range(n, len(mesh.X))))
+
+    def four(f):
+        m = [middle[tuple(sorted((f[k], f[(k + 1) % 3])))] for k in range(3)]
+        return [(f[0], m[0], m[2]), (m[0], f[1], m[1]), (m[2], m[1], f[2]), tuple(m)]
+
+    mesh.surfaces = {name: [part for f in facets for part in four(f)] for name, facets in mesh.surfaces.items()}
+    mesh.kinds, mesh.nodes_of = {"tet4": np.arange(len(cells))}, {"tet4": cells}
+    mesh.cell_kinds = ["tet4"] * len(cells)
+    mesh.labels, mesh.cell_labels = np.arange(1, len(mesh.X) + 1), np.arange(1, len(cells) + 1)
+    mesh.section = np.repeat(mesh.section, 8)
+    mesh.fibres = None if mesh.fibres is None else np.repeat(mesh.fibres, 8, axis=0)
+    mesh.sets = {name: (8 * of[:, None] + np.arange(8)).ravel() for name, of in mesh.sets.items()}
+    mesh.outer_facets *= 4
+    return mesh
+
+
 def read_raw(path, names=None, region=None, fibre=None):
     suffix = pathlib.Path(path).suffix.lower()
     if suffix not in (".inp", ".msh", ".vtk", ".vtu"):
         fail(path, "expected a file .inp (Abaqus), .msh (Gmsh), .vtk or .vtu")
     for option, value, fits in (("names", names, suffix != ".inp"), ("region", region, suffix in (".vtk", ".vtu")),
-                                ("fibre", fibre, suffix in (".vtk", ".vtu"))):
+                                ("fibre", fibre, suffix != ".inp")):
         if value and not fits:
             fail(path, f"--{option} is not for {suffix} files")
     if suffix == ".inp":
         return inp.read(path)
-    return fields.read_msh(path, names) if suffix == ".msh" else fields.read_meshio(path, names, region, fibre)
+    return fields.read_msh(path, names, fibre) if suffix == ".msh" else fields.read_meshio(path, names, region, fibre)
 
 
 # ---- What is said and written
@@ -493,9 +597,8 @@ def report(mesh):
     for k, name in enumerate(mesh.sections):
         inside = mesh.section == k
         lines.append(f"  section        {name}: {inside.sum()} elements, {volume[inside].sum():.6g} mm3")
-    others = [f"{name} ({len(cells)})" for name, cells in mesh.raw.elsets.items() if fields.named(name) not in mesh.sections]
-    if others:
-        lines.append(f"  element sets   {', '.join(others)}")
+    if mesh.sets:
+        lines.append("  element sets   " + ", ".join(f"{name} ({len(cells)})" for name, cells in mesh.sets.items()))
     if mesh.n_sets:
         lines.append("  node sets      " + ", ".join(f"{name} ({n})" for name, n in mesh.n_sets.items()))
     lines.append(f"  surface        {mesh.outer_facets} facets")
@@ -525,6 +628,11 @@ def neutral(mesh):
     lines.append(f"fibres {0 if mesh.fibres is None else len(order)}")
     if mesh.fibres is not None:
         lines += ["%.17g %.17g %.17g" % tuple(mesh.fibres[c]) for c in order]
+    place = np.empty(len(order), dtype=int)
+    place[order] = np.arange(len(order))
+    lines.append(f"sets {len(mesh.sets)}")
+    for name, cells in mesh.sets.items():
+        lines += [f"{name} {len(cells)}", *map(str, np.sort(place[cells]).tolist())]
     return "\n".join(lines) + "\n"
 
 
@@ -537,18 +645,31 @@ def add_options(p):
                    "TOLERANCE [mm] of the least AXIS (x, y or z; PROXIMAL) and of the greatest (DISTAL); -z: the other way round")
     p.add_argument("--proximal", metavar="NAME", help="the surface or set of nodes that is PROXIMAL")
     p.add_argument("--distal", metavar="NAME", help="the same for DISTAL")
+    p.add_argument("--widen", type=files.number(), default=0, metavar="MM", help="adds to PROXIMAL and DISTAL the facets of the surface "
+                   "within MM of them; MM < 0 takes away those within -MM of their border: to see what the areas decide")
     p.add_argument("--sections", metavar="A,B,...", help="the element sets that part the mesh; each needs a material")
+    p.add_argument("--refine", type=files.number(0, 4, kind=int), default=0, metavar="N", help="parts each tetrahedron into eight, N "
+                   "times; nodes and elements get new numbers")
     p.add_argument("--names", metavar="N=NAME,...", help="names of Gmsh's groups without one, or of regions of a .vtk or .vtu")
     p.add_argument("--region", metavar="FIELD", help="the cell data of a .vtk or .vtu with the numbers of regions")
-    p.add_argument("--fibre", metavar="FIELD", help="the cell data with fibre directions")
+    p.add_argument("--fibre", metavar="FIELD", help="the data of cells, or of points, with fibre directions")
     fusiform.add_options(p)
+
+
+def joined(words):
+    """`--ends -z,2` as one word, which argparse would take for two options."""
+    words = list(words)
+    for i in reversed(range(len(words) - 1)):
+        if words[i] == "--ends" and re.match(r"-[xyz],", words[i + 1]):
+            words[i:i + 2] = [f"--ends={words[i + 1]}"]
+    return words
 
 
 def from_options(p, a):
     """The Mesh that the options ask for; `p` tells of wrong ones."""
     shape = fusiform.from_options(p, a)
     if a.mesh is None:
-        given = [name for name in ("unit", "ends", "proximal", "distal", "sections", "names", "region", "fibre") if getattr(a, name)]
+        given = [name for name in ("unit", "ends", "proximal", "distal", "sections", "widen", "refine", "names", "region", "fibre") if getattr(a, name)]
         if given:
             p.error(f"--{given[0]} needs a MESH")
         return checked(fusiform.raw(shape), "mm")
@@ -572,14 +693,17 @@ def from_options(p, a):
             p.error(f"--names {a.names}: expected NUMBER=NAME, parted by commas")
         names = {n: name for n, _, name in pairs}
     raw = read_raw(a.mesh, names, a.region, a.fibre)
-    return checked(raw, a.unit, ends, (a.proximal, a.distal), a.sections.split(",") if a.sections else None)
+    mesh = checked(raw, a.unit, ends, (a.proximal, a.distal), a.sections.split(",") if a.sections else None, a.widen)
+    for _ in range(a.refine):
+        mesh = refine(mesh)
+    return mesh
 
 
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add_options(p)
     p.add_argument("-o", "--output", metavar="FILE", help="the mesh as the solver reads it")
-    a = p.parse_args()
+    a = p.parse_args(joined(sys.argv[1:]))
     with files.faults_in_one_line("mesh.py"):
         mesh = from_options(p, a)
         print(report(mesh), end="")

@@ -31,11 +31,13 @@ def arguments():
     p.add_argument("--prm", metavar="FILE", type=pathlib.Path, help="parameter file, in place of examples/muscle/muscle.prm")
     p.add_argument("--ranks", type=files.number(1, 999999, kind=int), default=2, metavar="N", help="of MPI (default 2)")
     p.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/muscle"), help="folder of the results")
+    p.add_argument("--against", metavar="FOLDER", type=pathlib.Path, help="another run's results (with regions.csv, as ./run mpi has): "
+                   "both on the same axes in against.png")
     p.add_argument("--check", action="store_true", help="only read the mesh, check it and report")
     p.add_argument("--export", choices=("abaqus", "calculix"), help="write a deck for that code, and do not run")
     p.add_argument("--program", type=pathlib.Path, help=argparse.SUPPRESS)
     given = [w for w in sys.argv[1:] if ENTRY.fullmatch(w)]
-    a = p.parse_args([w for w in sys.argv[1:] if not ENTRY.fullmatch(w)])
+    a = p.parse_args(meshes.joined(w for w in sys.argv[1:] if not ENTRY.fullmatch(w)))
     a.entries = given
     for entry in given:
         name = entry.partition("=")[0]
@@ -87,9 +89,11 @@ def main():
             return 0
         if a.program is None:
             p.error("--program is needed to run")
-        from figures import NAMES, draw  # after the checks: matplotlib takes a second
+        from figures import NAMES, draw, read_regions  # after the checks: matplotlib takes a second
 
-        files.remove([out / name for name in (*NAMES, "streamlines.csv")])
+        if a.against:
+            read_regions(a.against / "regions.csv")  # told before the run, if it is not there
+        files.remove([out / name for name in (*NAMES, "against.png", "streamlines.csv")])
         files.write_text(out / "mesh_report.txt", text)
         files.write_text(out / "muscle.mesh", meshes.neutral(mesh), encoding="ascii")
         command = ["mpirun", "-n", str(a.ranks), str(a.program), str(prm), f"Mesh/File={out / 'muscle.mesh'}", f"Output/Folder={out}",
@@ -102,8 +106,8 @@ def main():
         if status:
             return status if status > 0 else 1
         told = entries.override(entries.read(prm), a.entries)
-        draw(mesh, out, float(told.get("Time/Ramp", ("1",))[0]))
-        print(f"pictures: {', '.join(str(out / name) for name in NAMES)}")
+        draw(mesh, out, float(told.get("Time/Ramp", ("1",))[0]), a.against)
+        print(f"pictures: {', '.join(str(out / name) for name in (*NAMES, *(['against.png'] if a.against else [])))}")
     return 0
 
 

@@ -40,6 +40,14 @@ def spindle(kind, n=6):
     return bar
 
 
+def shape_functions(kind, at):
+    """(points, corners) of the straight element."""
+    if kind == "hex8":
+        return np.prod(1 + at[:, None, :] * meshes._HEX, axis=2) / 8
+    L = np.column_stack([1 - at[:, :2].sum(axis=1) - (at[:, 2] if kind[:3] == "tet" else 0), at[:, :2]])
+    return np.column_stack([L, at[:, 2]]) if kind[:3] == "tet" else np.hstack([L * (1 - at[:, 2:]) / 2, L * (1 + at[:, 2:]) / 2])
+
+
 class Case(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="myogrowth_")
@@ -132,8 +140,8 @@ class Motion(Case):
             bar.X = [tuple(x) for x in X.tolist()]
             out = self.solver(self.mesh(bar), *STEPS, "Solver/Newton tolerance=1e-11")
             found.append(figures.read_regions(out / "regions.csv")["all"])
-        figures.draw(self.mesh(bar), out, 1.0)
-        for name in figures.NAMES:
+        figures.draw(self.mesh(bar), out, 1.0, out)
+        for name in (*figures.NAMES, "against.png"):
             self.assertGreater((out / name).stat().st_size, 3000)
         rows = files.read_columns(out / "hot_volume.csv", figures.HOT)
         self.assertEqual(rows["time"], [1.0, 1.5])
@@ -142,6 +150,33 @@ class Motion(Case):
             worst = max(np.abs(other[name] - found[0][name]).max() for name in ("lambda_e_mean", "lambda_e_p05", "lambda_e_p99", "G_mean"))
             print(f"differs by {worst:.1e}")
             self.assertLess(worst, limit)
+
+
+    def test_fibres_of_decks_are_those_of_the_solver(self):
+        """Two programs for the same flow: pennation by an aponeurosis, cells without a gradient, a set of its own."""
+        given = ["Fibre/From=PROXIMAL, SIDE", "Fibre/List=UPPER uniform 0 3 4"]
+        for kind in ("tet4", "tet10", "hex8", "wedge6"):
+            bar = Bar(kind, 6)
+            side = [i for i, (x, _, z) in enumerate(bar.X[:28]) if x == 0 and z <= 3]
+            path = self.folder / "bar.inp"
+            path.write_text(bar.deck(more=f"*NSET, NSET=SIDE\n{', '.join(str(i + 1) for i in side)}\n*ELSET, ELSET=UPPER, GENERATE\n"
+                                          f"{len(bar.cells) - len(bar.cells) // 6 + 1}, {len(bar.cells)}\n"))
+            mesh = meshes.checked(meshes.read_raw(path), "mm")
+            told = entries.override(entries.read(SOURCE / "examples" / "muscle" / "muscle.prm"), given)
+            deck = export.Input(told, mesh)
+            n0 = fibres.at_points(mesh, deck.fibre, deck.direction, *deck.surfaces, deck.set_fibres)[kind]
+            out = self.solver(mesh, *given, "Output/Fibres=true", "Time/Steps=fixed", "Time/Step=1", "Time/End=1")
+            rows = files.read_columns(out / "fibres.csv", ["element", "point", "x", "y", "z", "n0_x", "n0_y", "n0_z"])
+            there, at = (np.array([rows[start + k] for k in "xyz"]).T.reshape(n0.shape) for start in ("n0_", ""))
+            points = fibres.POINTS[kind][0]  # whose order in a cell may be another one
+            own = np.einsum("pn,cni->cpi", shape_functions(kind, points), mesh.corners(kind)[:, :meshes.CORNERS[kind]])
+            apart = max(np.abs(n0[c, np.linalg.norm(own[c] - at[c, q], axis=1).argmin()] - there[c, q]).max()
+                        for c in range(len(n0)) for q in range(len(points)))
+            print(f"{kind}: {n0.shape[0]} elements, inclined by up to {np.degrees(np.arccos(n0[..., 2].min())):.0f} degrees, differs by {apart:.1e}")
+            self.assertLess(apart, 1e-9)
+            self.assertLess(n0[:-len(bar.cells) // 6, :, 2].min(), 0.8)
+            upper = n0[-(len(bar.cells) // 6):]
+            self.assertLess(np.abs(upper - (0, 0.6, 0.8)).max(), 1e-12)
 
 
 class Text(Case):
@@ -169,6 +204,8 @@ class Text(Case):
         for entry, words in (("Attachments/Protocol=x.csv", "left out"), ("Muscle/Volume=mean dilatation", "pointwise"),
                              ("Attachments/List=PROXIMAL fixed; DISTAL pulled 1 2 3", "away PART"), ("Muscle/tau=x", "finite number"),
                              ("Attachments/List=FAR fixed", "no surface FAR"), ("Fibre/Kind=oblique", "flow"),
+                             ("Fibre/List=HIP mesh", "no section or set HIP; there are MUSCLE"), ("Fibre/List=MUSCLE flow PROXIMAL", "flow FROM TO"),
+                             ("Fibre/From=PROXIMAL, SIDE", "no surface SIDE"), ("Attachments/List=DISTAL away 1 at 0:0 1:1 1:0", "jumps"),
                              ("Materials/List=OTHER muscle", "section MUSCLE"), ("Time/Steps=some", "adaptive")):
             with self.assertRaises(files.FileError) as caught:
                 self.write("abaqus", self.mesh(Bar()), entry)
@@ -180,7 +217,7 @@ class Job(Case):
 
     def start(self, *arguments):
         return subprocess.run([sys.executable, SOURCE / "examples/muscle/muscle.py", *map(str, arguments)], capture_output=True, text=True,
-                              cwd=self.folder)
+                              cwd=self.folder, env={**os.environ, **MPI})
 
     def test_job(self):
         self.mesh(Bar())
@@ -203,6 +240,31 @@ class Job(Case):
         (self.folder / "two.inp").write_text(two)
         run = self.start("two.inp", "--unit", "mm")
         self.assertIn("section A has no material", run.stderr)
+
+
+    def test_whole_job(self):
+        """From the deck to pictures, a programme with it: all files that docs/muscle.md lists, and none is empty."""
+        if not PROGRAM:
+            print("no deal.II program: only its decks are tested")
+            return
+        self.mesh(spindle("tet4"))
+        (self.folder / "hours.csv").write_text("step, 1.05\nhold, 0.25\nstep, 1\n")
+        command = ["bar.inp", "--unit", "mm", "--program", PROGRAM, "--out", "x", "Attachments/Protocol=hours.csv", "Attachments/Cycle=1",
+                   "Time/End=2", "Output/Times=1", "Output/Fibres=true"]
+        run = self.start(*command)
+        self.assertEqual((run.returncode, run.stderr), (0, ""), run.stdout)
+        for name in ("muscle.png", "regions.png", "regions.csv", "fascicles.csv", "hot_spots.csv", "attachments.csv", "history.csv", "newton.csv",
+                     "summary.json", "muscle.pvd", "hot_volume.csv", "mesh_report.txt", "muscle.mesh", "streamlines.csv", "fibres.csv"):
+            self.assertGreater((self.folder / "x" / name).stat().st_size, 50, name)
+        regions = figures.read_regions(self.folder / "x" / "regions.csv")
+        self.assertEqual(set(regions), {"proximal", "middle", "distal", "all", "MUSCLE"})
+        on = regions["all"]["time"] < 0.25
+        self.assertGreater(regions["all"]["lambda_e_p05"][on].min(), 1.01)
+        self.assertEqual(self.start(*command[:5], "--out", "y", "--against", "nowhere").returncode, 1)
+        self.assertFalse((self.folder / "y").exists() and list((self.folder / "y").iterdir()))
+        run = self.start(*command, "Time/Wrong=1")
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("there is no entry 'Time/Wrong'", run.stderr)
 
 
 class Flow(Case):

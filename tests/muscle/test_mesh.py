@@ -6,6 +6,7 @@ import contextlib
 import io
 import math
 import pathlib
+import struct
 import sys
 import tempfile
 import unittest
@@ -64,9 +65,9 @@ class Case(unittest.TestCase):
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
         return path
 
-    def read(self, text, name="m.inp", unit="mm", ends=None, names=(None, None), sections=None, groups=None, **options):
+    def read(self, text, name="m.inp", unit="mm", ends=None, names=(None, None), sections=None, groups=None, wider=0, **options):
         path = text if isinstance(text, pathlib.Path) else self.write(text, name)
-        return meshes.checked(meshes.read_raw(path, groups, **options), unit, ends, names, sections)
+        return meshes.checked(meshes.read_raw(path, groups, **options), unit, ends, names, sections, wider)
 
     def refused(self, text, *words, **options):
         with self.assertRaises(files.FileError) as caught:
@@ -98,6 +99,7 @@ class Decks(Case):
                 "type=element\nend, s2\n")
         text = bar.deck("c3d8", [], []).replace("*NSET, NSET=PROXIMAL\n\n*NSET, NSET=DISTAL\n\n", more)
         text = text.replace("5, 6, 7, 8\n", "5, 6,\n7, 8\n", 1)
+        plain = plain.replace("sets 0\n", "sets 1\nEND 1\n3\n")  # the element set is there, for its rows of regions.csv
         self.assertEqual(meshes.neutral(self.read(text)), plain)
         self.assertEqual(meshes.neutral(self.read(text.lower().replace("\n", "\r\n"))), plain)
         for face in ("4, S2", "4,"):  # without a face: all that is free
@@ -143,6 +145,40 @@ class Decks(Case):
         picked = "*SOLID SECTION, ELSET=_PickedSet2, MATERIAL=Red muscle\n"
         self.assertEqual(self.read(Bar().deck(element="ELSET=_PickedSet2", more=picked.replace(" muscle", "_muscle"))).sections,
                          ["RED_MUSCLE"])
+
+
+class Mixed(Case):
+    """Elements of two kinds: where their faces fit, and refused where a quadrilateral lies on triangles."""
+
+    def deck(self, X, *blocks):
+        rows = "".join(f"{i}, {', '.join(map(repr, x))}\n" for i, x in enumerate(X, 1))
+        elements, label = "", 0
+        for kind, cells in blocks:
+            elements += f"*ELEMENT, TYPE={kind}\n"
+            for nodes in cells:
+                label += 1
+                elements += f"{label}, {', '.join(str(n + 1) for n in nodes)}\n"
+        return f"*NODE\n{rows}{elements}*NSET, NSET=PROXIMAL\n1, 2, 3, 4\n*NSET, NSET=DISTAL\n" + \
+            ", ".join(str(n + 1) for n in range(len(X) - 4, len(X))) + "\n"
+
+    def test_that_fit(self):
+        X = Bar().X
+        hexes, across = [(0, 1, 2, 3, 4, 5, 6, 7), (4, 5, 6, 7, 8, 9, 10, 11)], [(8, 12, 9, 11, 15, 10), (9, 12, 13, 10, 15, 14)]
+        mesh = self.read(self.deck(X[:16], ("C3D8", hexes), ("C3D6", across)))
+        self.assertEqual({k: len(c) for k, c in mesh.kinds.items()}, {"hex8": 2, "wedge6": 2})
+        self.assertAlmostEqual(mesh.each(meshes.volumes).sum(), 3)
+        self.assertLessEqual(mesh.each(meshes.quality).max(), 1 + 1e-12)
+        wedges = [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)]
+        tets = [tuple(n + 4 for n in c) for c in KUHN]
+        mesh = self.read(self.deck(X[:12], ("C3D6", wedges), ("C3D4", tets)))
+        self.assertEqual({k: len(c) for k, c in mesh.kinds.items()}, {"tet4": 6, "wedge6": 2})
+        self.assertEqual(mesh.outer_facets, 2 + 4 + 8 + 2)
+
+    def test_that_do_not(self):
+        X = Bar().X
+        tets = [tuple(n + 4 for n in c) for c in KUHN]
+        self.refused(self.deck(X[:12], ("C3D8", [tuple(range(8))]), ("C3D4", tets)), "element 1", "quadrilateral face of this hex8",
+                     "triangle of the tet4")
 
 
 class Instances(Case):
@@ -244,6 +280,40 @@ class Gmsh(Case):
         self.expect_bar(self.read(self.folder / "b.msh"))
         self.refused(b"$MeshFormat\n4.1 1 8\n\1\0\0\0\n$EndMeshFormat\n", "ASCII", name="c.msh")
 
+    def test_binary_4_1(self):
+        """As Gmsh 4.8 writes it."""
+        bar, box = Bar(), (0., 0., 0., 1., 1., 4.)
+        size, ints = (lambda *x: struct.pack(f"{len(x)}Q", *x)), (lambda *x: struct.pack(f"{len(x)}i", *x))
+        entities = size(0, 0, 2, 1) + b"".join(ints(tag) + struct.pack("6d", *box) + size(1) + ints(group) + size(0)
+                                               for tag, group in ((7, 11), (8, 12), (5, 1)))
+        n = len(bar.X)
+        nodes = size(1, n, 1, n) + ints(3, 5, 0) + size(n) + size(*range(1, n + 1)) + struct.pack(f"{3 * n}d", *(c for x in bar.X for c in x))
+        ends = [sorted(self.of_tets(bar, [f + 1 for f in end])) for end in (bar.first, bar.last)]
+        blocks = [(2, 7, 2, ends[0]), (2, 8, 2, ends[1]), (3, 5, 4, [[k + 1 for k in c] for c in bar.cells])]
+        count = sum(len(rows) for *_, rows in blocks)
+        elements, label = size(3, count, 1, count), 1
+        for dim, tag, kind, rows in blocks:
+            elements += ints(dim, tag, kind) + size(len(rows)) + b"".join(size(label + i, *row) for i, row in enumerate(rows))
+            label += len(rows)
+        names = b'3\n2 11 "proximal"\n2 12 "Distal"\n3 1 "muscle"'
+        sections = ((b"MeshFormat", b"4.1 1 8\n" + ints(1)), (b"PhysicalNames", names), (b"Entities", entities), (b"Nodes", nodes),
+                    (b"Elements", elements))
+        mesh = self.read(b"".join(b"$%s\n%s\n$End%s\n" % (name, data, name) for name, data in sections), "m.msh")
+        self.expect_bar(mesh)
+        self.assertEqual(mesh.sections, ["MUSCLE"])
+
+    def test_fibres(self):
+        bar = Bar()
+        rows = "".join(f"{i} 0 0 {i}\n" for i in range(2, 2 + len(bar.cells)))  # element 1 is a point
+        data = '$ElementData\n1\n"fibre"\n1\n0.0\n3\n0\n3\n%d\n%s$EndElementData\n'
+        text = self.text(bar, "2.2")
+        mesh = self.read(text + data % (len(bar.cells), rows) + "$NodeData\n$EndNodeData\n", "m.msh")
+        self.assertTrue((mesh.fibres == [0, 0, 1]).all())
+        self.assertIn("sections that are not used: $NodeData", mesh.notes)
+        self.refused(text + data % (1, "2 0 0 1\n"), "has no fibre for elements 3, 4", name="m.msh")
+        self.refused(text + data % (2, "2 0 0 1\n3 0 x 1\n"), "'3 0 x 1'", name="m.msh")
+        self.refused(text, "--fibre no", name="m.msh", fibre="no")
+
     def test_groups_without_names_and_twice(self):
         text = self.text(Bar(), "2.2")
         start, end = text.index("$Phys"), text.index("$Nodes")
@@ -288,6 +358,23 @@ class Vtk(Case):
                 self.expect_bar(mesh, kind=kind)
                 self.assertEqual(mesh.sections, ["MUSCLE", "TENDON"])
                 self.assertTrue((mesh.fibres == [0, 0, 1]).all())
+
+    def test_fields_of_legacy_files_and_fibres_at_points(self):
+        """A SCALARS field has one component there, which meshio keeps as a second dimension. A fibre has no sign."""
+        bar = Bar()
+        signs = np.where(np.arange(len(bar.X)) % 2, 1, -1)
+        head = "# vtk DataFile Version 3.0\nbar\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+        text = head + f"POINTS {len(bar.X)} double\n" + "".join(f"{x} {y} {z}\n" for x, y, z in bar.X)
+        facets = [f for end in (bar.first, bar.last) for f in (end[:3], [end[0], *end[2:]])]
+        rows = [f"4 {' '.join(map(str, c))}\n" for c in bar.cells] + [f"3 {' '.join(map(str, f))}\n" for f in facets]
+        text += f"CELLS {len(rows)} {5 * len(bar.cells) + 16}\n" + "".join(rows) + f"CELL_TYPES {len(rows)}\n"
+        text += "10\n" * len(bar.cells) + "5\n" * 4 + f"CELL_DATA {len(rows)}\nSCALARS CellEntityIds int 1\nLOOKUP_TABLE default\n"
+        text += "3\n" * len(bar.cells) + "7\n7\n8\n8\n"
+        text += f"POINT_DATA {len(bar.X)}\nVECTORS fibre double\n" + "".join(f"0 {0.6 * s} {0.8 * s}\n" for s in signs)
+        mesh = self.read(text, "m.vtk", groups={"3": "MUSCLE", "7": "PROXIMAL", "8": "DISTAL"})
+        self.expect_bar(mesh)
+        self.assertLess(np.abs(np.abs(mesh.fibres) - (0, 0.6, 0.8)).max(), 1e-15)
+        self.assertIn("fibres by point data 'fibre'", mesh.notes)
 
     def test_faults(self):
         path = self.write_vtk("m.vtu")
@@ -367,6 +454,18 @@ class Faults(Case):
         bar.X[20] = tuple(bar.X[bar.cells[0][2]])
         self.refused(bar.deck(), "between the corners")
 
+    def test_area_of_curved_facets(self):
+        """A quarter of a sphere's cap in facets of second degree: its area; of first degree it is 0.9 % too small."""
+        bar = Bar("tet10", 4)
+        bar.X = [(x, y, z + max(0, 1 - z) * (3 - math.sqrt(9 - x * x - y * y))) for x, y, z in bar.X]
+        mesh = self.read(bar.deck())
+        x = (np.arange(400) + 0.5) / 400
+        exact = (3 / np.sqrt(9 - x[:, None]**2 - x**2)).mean()
+        flat = np.linalg.norm(sum(np.cross(mesh.X[f[1]] - mesh.X[f[0]], mesh.X[f[2]] - mesh.X[f[0]]) / 2 for f in mesh.surfaces["PROXIMAL"]))
+        print("errors of the area", mesh.area("PROXIMAL") / exact - 1, flat / exact - 1)
+        self.assertLess(abs(mesh.area("PROXIMAL") / exact - 1), 2e-4)
+        self.assertGreater(1 - flat / exact, 8e-3)
+
     def test_curved(self):
         bar = Bar("tet10")
         bar.X[20] = tuple(x + 0.05 for x in bar.X[20])
@@ -444,6 +543,48 @@ class Invariance(Case):
         self.assertNotIn("WARNING", " ".join(self.read(Bar().deck()).notes))
 
 
+class Widen(Case):
+    def test_attachments(self):
+        bar = Bar(n=6)
+        self.assertEqual(len(self.read(bar.deck()).surfaces["PROXIMAL"]), 2)
+        wide = self.read(bar.deck(), wider=1)  # the first layer's sides too
+        self.assertEqual([len(wide.surfaces[end]) for end in meshes.ENDS], [10, 10])
+        self.assertAlmostEqual(wide.area("PROXIMAL"), 5)
+        self.assertIn("--widen 1: PROXIMAL has 10 facets instead of 2", wide.notes)
+        many = bar.deck(proximal=list(range(12)), distal=list(range(16, 28)))  # the ends and two layers of the sides
+        self.assertAlmostEqual(self.read(many).area("PROXIMAL"), 9)
+        self.assertAlmostEqual(self.read(many, wider=-0.5).area("PROXIMAL"), 5)
+        self.refused(bar.deck(), "PROXIMAL and DISTAL touch", wider=3)
+        self.refused(bar.deck(), "--widen -1: nothing is left of PROXIMAL", wider=-1)
+
+
+class Refine(Case):
+    def test_tetrahedra(self):
+        bar = Bar(n=3)
+        bar.X = [(x + 0.1 * z * z, y * (1 + 0.2 * z), z + 0.05 * x * y) for x, y, z in bar.X]
+        more = "*ELSET, ELSET=LOWER, GENERATE\n1, 6\n"
+        coarse, fine = (self.read(bar.deck(more=more, element="ELSET=MUSCLE")) for _ in range(2))
+        for step in (1, 2):
+            fine = meshes.refine(fine)
+            volume = fine.each(meshes.volumes)
+            self.assertEqual(len(volume), len(coarse.cell_labels) * 8**step)
+            self.assertGreater(volume.min(), 0)
+            self.assertAlmostEqual(volume.sum() / coarse.each(meshes.volumes).sum(), 1, places=12)
+            lower = coarse.each(meshes.volumes)[coarse.sets["LOWER"]].sum()
+            self.assertAlmostEqual(volume[fine.sets["LOWER"]].sum() / lower, 1, places=12)
+            self.assertLess(np.abs(volume.reshape(-1, 8**step).sum(axis=1) / coarse.each(meshes.volumes) - 1).max(), 1e-12)
+            for end in meshes.ENDS:
+                self.assertEqual(len(fine.surfaces[end]), len(coarse.surfaces[end]) * 4**step)
+                self.assertAlmostEqual(fine.area(end) / coarse.area(end), 1, places=12)
+                self.assertLess(np.abs(fine.centroid(end) - coarse.centroid(end)).max(), 1e-12)
+            self.assertGreater(fine.each(meshes.quality).min(), 0.5 * coarse.each(meshes.quality).min())
+            keys, *_ = meshes.all_faces(fine)  # every face is of two cells or of the surface
+            _, count = np.unique(keys, axis=0, return_counts=True)
+            self.assertEqual((count.max(), (count == 1).sum()), (2, coarse.outer_facets * 4**step))
+        with self.assertRaisesRegex(files.FileError, "--refine: must be 0 for a mesh of hex8"):
+            meshes.refine(self.read(Bar("hex8").deck()))
+
+
 class Ends(Case):
     def test_found(self):
         text = Bar().deck().split("*NSET")[0]
@@ -454,6 +595,13 @@ class Ends(Case):
         self.assertEqual(mesh.centroid("PROXIMAL")[2], 4)
         self.assertEqual(len(mesh.surfaces["PROXIMAL"]), 2)
         self.refused(Bar().deck(), "already", ends=("z", 0.1))
+        bar = Bar()
+        bar.X[0] = (0., 0., -0.3)
+        self.refused(bar.deck().split("*NSET")[0], "no facet that faces along z lies within 0.1 mm of z = -0.3", "within 0.3 mm", ends=("z", 0.1))
+        import subprocess
+        run = subprocess.run([sys.executable, SOURCE / "examples/muscle/mesh.py", self.write(text), "--unit", "mm", "--ends", "-z,1.5"],
+                             capture_output=True, text=True)
+        self.assertIn("within 1.5 mm of z = 4 mm", run.stdout, run.stderr)
 
 
 class Fusiform(Case):

@@ -70,7 +70,7 @@ class Run(unittest.TestCase):
 
     def make_tree(self, name):
         tree = self.folder / name
-        for file in ("run", "cmake/prepare.sh", "examples/dealii/run.sh", "examples/calculix/build_ccx.sh"):
+        for file in ("run", "cmake/prepare.sh", "examples/dealii/run.sh", "examples/muscle/run.sh", "examples/calculix/build_ccx.sh"):
             (tree / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / file, tree / file)
         return tree
@@ -147,7 +147,7 @@ class Help(Run):
             self.refuses(f"{option} is given twice", "mpi", option, "2", option, "2")
         self.refuses("no option 'x'", "mpi", "x")
         for arguments in (["--ranks", "2"], ["PART=all"], ["PART=loops", "PART=weak"]):
-            self.refuses("expected PART= and some of loops,krylov,ranks,weak, found '" + " ".join(arguments), "mpi-bench", *arguments)
+            self.refuses("expected PART= and some of loops,krylov,ranks,weak,muscle, found '" + " ".join(arguments), "mpi-bench", *arguments)
         self.refuses("no option '--fast' \\(--update\\)", "instructions", "--fast")
         self.refuses("--ranks 0: must be", "mpi", "--ranks", "0")
         self.assertEqual(self.logged(), [])
@@ -351,6 +351,36 @@ class Names(Run):
         self.assertEqual(self.run_job("mpi", "Time/End=1", cwd=here)[1].splitlines(keepends=True)[1],
                          f"mpirun in {here}: -n 2 {muscle} {t}/examples/dealii/biceps.prm Output/Folder={t}/out/mpi Time/End=1\n")
         self.assertEqual(self.run_job("mpi", "--entries", cwd=here)[1], f"mpirun in {here}: -n 1 {muscle} --help\n")
+
+    def test_muscle(self):
+        """The mesh is checked before the solver is built; only the report, a deck and the options need no solver."""
+        stub = (self.bin / "cmake").read_text().replace("all: phony", "muscle: phony")
+        (self.bin / "cmake").write_text(stub)
+        t, here = self.tree, self.here
+        job, program = f"{t}/examples/muscle/muscle.py", f"--program {t}/build/examples/dealii/muscle"
+        status, out, err = self.run_job("muscle", "m.inp", "--unit", "mm", "Time/End=7", cwd=here)
+        self.assertEqual((status, out), (0, f"python in {here}: {job} {program} --out {t}/out/muscle m.inp --unit mm Time/End=7\n"), err)
+        log = self.logged()
+        self.assertEqual(log[0], "ran")  # Python, that checks
+        self.assertTrue(any(line.startswith("begin --build") and "--target muscle" in line for line in log), log)
+        self.assertIn(f"{program} --out mine m.inp --unit mm", self.run_job("muscle", "--out", "mine", "m.inp", "--unit", "mm", cwd=here)[1])
+        self.assertIn(f"{program} --out out/muscle\n", self.run_job("muscle")[1])
+        self.assertEqual(self.run_job("muscle", "--entries", cwd=here)[1],
+                         f"mpirun in {here}: -n 1 {t}/build/examples/dealii/muscle --help\n")
+        for words in (["--check"], ["--export", "calculix"], ["--export=abaqus"], ["--help"]):
+            self.log.write_text("")
+            status, out, err = self.run_job("muscle", "m.inp", "--unit", "mm", *words, cwd=here)
+            self.assertEqual((status, self.logged()), (0, ["ran"]), err)
+            self.assertIn(" ".join(["m.inp --unit mm", *words]), out)
+        self.log.write_text("")
+        python = (self.bin / "python3").read_text().replace("echo ran", 'case "$*" in *--check*) echo "no mesh" >&2; exit 2 ;; esac; echo ran')
+        (self.bin / "python3").write_text(python)
+        self.assertEqual(self.run_job("muscle", "no.inp", "--unit", "mm"), (2, "", "no mesh\n"))
+        self.assertEqual(self.logged(), [])
+
+    def test_muscle_is_skipped_without_deal_ii(self):
+        self.assertEqual(self.run_job("muscle")[0], 77)
+        self.assertEqual(self.run_job("muscle", "m.inp", "--check")[0], 0)
 
     def test_mpi_is_skipped_without_deal_ii_but_a_broken_build_is_no_skip(self):
         self.assertEqual(self.run_job("mpi")[0], 77)
