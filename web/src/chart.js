@@ -1,10 +1,11 @@
-// Charts by uPlot, in the page's colours, light or dark; and the same curves as SVG and PNG.
-import {h, save, saveText} from "./dom.js";
+// Charts by uPlot, in the page's colours, light or dark.
+import {h} from "./dom.js";
 import {S} from "./strings.js";
 
-const FONT = "14px system-ui, sans-serif", DASHES = [[], [8, 4], [2, 3], [10, 4, 2, 4]];
+const FONT = "14px system-ui, sans-serif";
+export const DASHES = [[], [8, 4], [2, 3], [10, 4, 2, 4]];
 // Okabe and Ito's colours, darkened where white would not show them: for all eyes, with a dash each.
-const COLOURS = ["blue", "orange", "green", "pink"];
+export const COLOURS = ["blue", "orange", "green", "pink"];
 
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 export const colour = (i) => css(COLOURS[i % 4]);
@@ -26,7 +27,8 @@ export class Chart {
     const axis = {stroke: () => css("text"), font: FONT, labelFont: FONT, grid: {stroke: () => css("grid")},
       ticks: {stroke: () => css("grid")}};
     const series = this.series.map((s, i) => ({
-      label: s.label, stroke: s.hidden ? undefined : () => colour(s.colour), width: s.width || 2,
+      label: s.dash === false || s.points ? s.label : `${S.curves.dashes[s.colour % 4]} ${s.label}`,
+      stroke: s.hidden ? undefined : () => colour(s.colour), width: s.width || 2,
       dash: s.dash === false ? [] : DASHES[s.colour % 4], points: s.points ? {show: true, size: 8} : {show: false},
       paths: s.points ? () => null : undefined,
       fill: undefined, spanGaps: !s.points, value: (u, v) => v === null || v === undefined ? "–" : v.toFixed(4), index: i,
@@ -45,7 +47,8 @@ export class Chart {
 
   range(low, high) {
     const all = this.lines.map((l) => l.value).concat(low, high).filter((v) => v !== null && isFinite(v));
-    const a = Math.min(...all), b = Math.max(...all), room = 0.05 * (b - a) || 0.01;
+    const a = Math.min(...all), b = Math.max(...all);
+    const room = Math.max(0.05 * (b - a), 1e-4 * Math.max(Math.abs(a), Math.abs(b))) || 0.01;
     return [a - room, b + room];
   }
 
@@ -109,69 +112,4 @@ function separate(time) {
   const t = Float64Array.from(time);
   for (let i = 1; i < t.length; ++i) if (t[i] <= t[i - 1]) t[i] = t[i - 1] + 1e-5;
   return t;
-}
-
-// ---- As a file
-
-const escape = (text) => text.replace(/[&<>"]/g, (c) => ({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;"}[c]));
-
-/** About n round numbers from low to high. */
-function ticks(low, high, n) {
-  const raw = (high - low) / n, power = Math.pow(10, Math.floor(Math.log10(raw)));
-  const step = [1, 2, 5, 10].map((f) => f * power).find((s) => s >= raw);
-  const found = [];
-  for (let k = Math.ceil(low / step); k * step <= high + 1e-9 * step; ++k) found.push(Number((k * step).toPrecision(10)));
-  return found;
-}
-
-/** The charts one below the other, as SVG, on white. */
-export function svgOf(charts) {
-  const W = 800, H = 300, left = 80, right = 20, top = 30, bottom = 50, parts = [];
-  const names = {blue: "#0072b2", orange: "#b84e00", green: "#00795a", pink: "#a8437f"};
-  charts.forEach((chart, at) => {
-    const [time, ...columns] = chart.data, y0 = at * H + top, width = W - left - right, height = H - top - bottom;
-    const values = columns.reduce((all, c) => all.concat(Array.from(c)), []).filter((v) => v !== null && isFinite(v));
-    const extremes = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-    const [low, high] = chart.range(...extremes), end = time[time.length - 1] || 1;
-    const X = (t) => (left + width * (t - time[0]) / (end - time[0])).toFixed(2);
-    const Y = (v) => (y0 + height * (high - v) / (high - low)).toFixed(2);
-    const text = (x, y, words, anchor) => `<text x="${x}" y="${y}" text-anchor="${anchor}">${escape(words)}</text>`;
-    parts.push(text(left, y0 - 10, chart.title, "start"), text(left + width / 2, y0 + height + 42, S.curves.time, "middle"));
-    for (const t of ticks(time[0], end, 8)) {
-      parts.push(`<path d="M${X(t)},${y0}v${height}" stroke="#ddd"/>`, text(X(t), y0 + height + 20, String(t), "middle"));
-    }
-    for (const v of ticks(low, high, 5)) {
-      parts.push(`<path d="M${left},${Y(v)}h${width}" stroke="#ddd"/>`, text(left - 8, Number(Y(v)) + 5, String(v), "end"));
-    }
-    for (const line of chart.lines) {
-      parts.push(`<path d="M${left},${Y(line.value)}h${width}" stroke="#000" stroke-dasharray="3 4"/>`,
-        text(left + width - 4, Number(Y(line.value)) - 4, line.label, "end"));
-    }
-    chart.series.forEach((s, k) => {
-      const points = [];
-      time.forEach((t, i) => { if (columns[k][i] !== null) points.push(`${X(t)},${Y(columns[k][i])}`); });
-      const stroke = names[COLOURS[s.colour % 4]];
-      parts.push(`<polyline points="${points.join(" ")}" fill="none" stroke="${stroke}" stroke-width="2" ` +
-        `stroke-dasharray="${DASHES[s.colour % 4].join(" ")}"/>`);
-      if (at === 0) parts.push(`<text x="${left + width - 6}" y="${y0 + 18 + 18 * k}" text-anchor="end" fill="${stroke}">` +
-        `${escape(s.label)}</text>`);
-    });
-  });
-  const height = charts.length * H + 34;
-  return `<svg xmlns="http://www.w3.org/2000/svg" width="${W}" height="${height}" viewBox="0 0 ${W} ${height}" ` +
-    `font-family="sans-serif" font-size="14"><rect width="100%" height="100%" fill="#fff"/>${parts.join("\n")}` +
-    `${`<text x="${left}" y="${height - 12}">${escape(S.standing)}</text>`}</svg>`;
-}
-
-export function saveSvg(name, charts) {
-  saveText(name, svgOf(charts), "image/svg+xml");
-}
-
-export async function savePng(name, charts) {
-  const picture = new Image();
-  picture.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(svgOf(charts));
-  await picture.decode();
-  const canvas = h("canvas", {width: 2 * picture.width, height: 2 * picture.height});
-  canvas.getContext("2d").drawImage(picture, 0, 0, canvas.width, canvas.height);
-  canvas.toBlob((blob) => save(name, blob), "image/png");
 }

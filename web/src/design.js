@@ -1,7 +1,7 @@
 // The fastest admissible programme to a stretch, as ./run protocol --design plans it.
 import {cut} from "./history.js";
-import {textOf} from "./rows.js";
 import {S} from "./strings.js";
+import {textOf} from "./text.js";
 
 const MOST_DAYS = 36500, MOST_STEP_DAYS = 3650;
 

@@ -1,6 +1,6 @@
 // Elements, and the fields for numbers: a slider beside a text, which says what is wrong where it stands.
-import {hint, textOf, toNumber} from "./rows.js";
 import {S} from "./strings.js";
+import {hint, textOf, toNumber} from "./text.js";
 
 let ids = 0;
 export const newId = () => `e${++ids}`;

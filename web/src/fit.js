@@ -1,17 +1,20 @@
 // Least squares for tau and lambda_crit by the residuals of ./run fit: (computed - measured)/sd, G by backward Euler in
 // whole and half steps, extrapolated. Levenberg and Marquardt's method within bounds; profiles on ./run fit's points.
 import {cut} from "./history.js";
-import {InputError} from "./rows.js";
+import {dot, jacobian, minimise} from "./least_squares.js";
+import {FITTED, rangeFault} from "./model.js";
 import {S} from "./strings.js";
+import {InputError, textOf} from "./text.js";
 
-export const PARAMETERS_OF_FIT = ["tau", "lambda_crit"];
+const MOST_MEASUREMENTS = 500, MOST_POINTS = 1500; // a fit computes the history some thousand times
 const CHI2_95 = 3.841458820694124, Z_95 = 1.959963984540054;
 
 /** The data of a fit. measurements: {time, quantity, value, sd}; bounds: {tau: [low, high], ...}. */
 export class Fit {
   constructor(law, muscle, knots, measurements, bounds) {
-    Object.assign(this, {law, muscle, measurements, bounds: PARAMETERS_OF_FIT.map((name) => bounds[name])});
+    Object.assign(this, {law, muscle, measurements, bounds: FITTED.map((name) => bounds[name])});
     this.points = cut(knots, measurements.map((m) => m.time), 0.002, 0.06);
+    if (this.points.time.length > MOST_POINTS) throw new InputError(S.fit.tooLong(this.points.time.length, MOST_POINTS));
     this.at = measurements.map((m) => {
       let i = this.points.time.length;
       while (this.points.time[i - 1] > m.time + 1e-9) --i;
@@ -21,7 +24,7 @@ export class Fit {
 
   muscleAt(x) {
     const muscle = Object.assign({}, this.muscle);
-    PARAMETERS_OF_FIT.forEach((name, k) => { muscle[name] = x[k]; });
+    FITTED.forEach((name, k) => { muscle[name] = x[k]; });
     return muscle;
   }
 
@@ -31,53 +34,6 @@ export class Fit {
       const g = G[this.at[i]];
       return ((m.quantity === "G" ? g : this.points.stretch[this.at[i]] / g) - m.value) / m.sd;
     });
-  }
-
-  chi2(x) {
-    return this.residuals(x).reduce((sum, r) => sum + r * r, 0);
-  }
-
-  /** Columns of derivatives of the residuals, by central differences. */
-  jacobian(x, free) {
-    return free.map((k) => {
-      const h = 1e-5 * (k === 0 ? x[k] : 0.1), at = (n) => this.residuals(x.map((v, j) => v + (j === k ? n * h : 0)));
-      const low = at(-1);
-      return at(1).map((r, i) => (r - low[i]) / (2 * h));
-    });
-  }
-
-  /** The minimum from a start over the parameters `free`: {x, chi2}. */
-  minimise(start, free, tolerance = 1e-11) {
-    const clip = (x) => x.map((v, k) => Math.min(Math.max(v, this.bounds[k][0]), this.bounds[k][1]));
-    let x = clip(start), chi2 = this.chi2(x), damping = 1e-3;
-    for (let iteration = 0; iteration < 200 && free.length > 0; ++iteration) {
-      const r = this.residuals(x), J = this.jacobian(x, free);
-      const gradient = J.map((column) => dot(column, r));
-      // A parameter at its bound that wants to leave is held.
-      const active = free.map((k, i) => i).filter((i) => {
-        const [low, high] = this.bounds[free[i]], v = x[free[i]];
-        return !((v <= low && gradient[i] > 0) || (v >= high && gradient[i] < 0));
-      });
-      if (active.length === 0) break;
-      let moved = 0;
-      for (let tries = 0; tries < 30; ++tries) {
-        const A = active.map((i) => active.map((j) => dot(J[i], J[j]) * (i === j ? 1 + damping : 1)));
-        const step = solve(A, active.map((i) => -gradient[i])), next = x.slice();
-        active.forEach((i, n) => { next[free[i]] += step[n]; });
-        const inside = clip(next), value = this.chi2(inside);
-        if (value <= chi2) {
-          moved = Math.max(...inside.map((v, k) => Math.abs(v - x[k]) / (Math.abs(x[k]) + 1e-12)));
-          x = inside;
-          chi2 = value;
-          damping = Math.max(damping / 10, 1e-12);
-          break;
-        }
-        damping = Math.max(damping * 8, 1e-9);
-        if (damping > 1e12) break;
-      }
-      if (!(moved > tolerance)) break;
-    }
-    return {x, chi2};
   }
 
   wide(k) {
@@ -93,16 +49,16 @@ export class Fit {
 
   /** Best fit from several starts, with the intervals of curvature and profile: {x, chi2, parameters, agreeing, starts}. */
   best(start, starts = 8) {
-    const fits = [this.minimise(start, [0, 1])];
+    const fits = [minimise(this, start, [0, 1])];
     for (let s = 1; s < starts; ++s)
-      fits.push(this.minimise([this.valueAt(0, (s - 0.5) / (starts - 1)), this.valueAt(1, (s * 0.618034) % 1)], [0, 1]));
+      fits.push(minimise(this, [this.valueAt(0, (s - 0.5) / (starts - 1)), this.valueAt(1, (s * 0.618034) % 1)], [0, 1]));
     fits.sort((a, b) => a.chi2 - b.chi2);
     const best = fits[0], agreeing = fits.filter((f) => f.chi2 <= best.chi2 + 1e-6 * (1 + best.chi2)).length;
-    const J = this.jacobian(best.x, [0, 1]), A = J.map((a) => J.map((b) => dot(a, b)));
+    const J = jacobian(this, best.x, [0, 1]), A = J.map((a) => J.map((b) => dot(a, b)));
     const determinant = A[0][0] * A[1][1] - A[0][1] * A[1][0];
     const known = determinant > 1e-14 * A[0][0] * A[1][1];
     const sd = [0, 1].map((k) => known ? Math.sqrt(A[1 - k][1 - k] / determinant) : NaN);
-    const parameters = PARAMETERS_OF_FIT.map((name, k) => {
+    const parameters = FITTED.map((name, k) => {
       const [lower, upper] = this.profile(best, k, sd[k]);
       const x = best.x[k], [low, high] = this.bounds[k], edge = 1e-6 * (high - low);
       return {name, estimate: x, sd: sd[k], low: x - Z_95 * sd[k], high: x + Z_95 * sd[k], lower, upper,
@@ -128,11 +84,11 @@ export class Fit {
     const held = (x, value) => x.map((v, j) => j === k ? value : v);
     for (let i = 1; i <= n && last.chi2 - best.chi2 < 5 * CHI2_95; ++i) {
       const value = byFactors ? x0 * Math.pow(end / x0, i / n) : x0 + (end - x0) * (i / n);
-      last = this.minimise(held(last.x, value), others, 1e-8); // chi2 is flat there
+      last = minimise(this, held(last.x, value), others, 1e-8); // chi2 is flat there
       side.push(last);
     }
     for (let i = side.length - 1; i > 0; --i) {
-      const again = this.minimise(held(side[i].x, side[i - 1].x[k]), others, 1e-8);
+      const again = minimise(this, held(side[i].x, side[i - 1].x[k]), others, 1e-8);
       if (again.chi2 < side[i - 1].chi2) side[i - 1] = again;
     }
     const root = (f) => Math.sqrt(Math.max(f.chi2 - best.chi2, 0)), wanted = Math.sqrt(CHI2_95);
@@ -144,18 +100,29 @@ export class Fit {
   }
 }
 
-const dot = (a, b) => a.reduce((sum, v, i) => sum + v * b[i], 0);
-
-function solve(A, b) {
-  if (b.length === 1) return [b[0] / A[0][0]];
-  const determinant = A[0][0] * A[1][1] - A[0][1] * A[1][0];
-  return [(b[0] * A[1][1] - A[0][1] * b[1]) / determinant, (A[0][0] * b[1] - A[1][0] * b[0]) / determinant];
-}
-
-/** Measurements of a study as the page can fit them; says what it cannot. */
-export function checkFit(study) {
+/**
+ * The bounds of a study's fit, {tau: [low, high], ...}: its own, or the page's `otherwise`. Says what this page cannot fit,
+ * and which bounds are not allowed, as examples/common/study.hpp does.
+ */
+export function boundsOf(law, study, muscle, otherwise) {
   if (study.measurements.length === 0) throw new InputError(S.fit.noMeasurements(study.name));
+  if (study.measurements.length > MOST_MEASUREMENTS)
+    throw new InputError(S.fit.tooMany(study.measurements.length, MOST_MEASUREMENTS));
   if (study.knots.length < 2) throw new InputError(S.fit.noHistory(study.name));
-  for (const b of study.fitted)
-    if (!PARAMETERS_OF_FIT.includes(b.name)) throw new InputError(`${b.place}: ${S.fit.onlyTwo(b.name)}`);
+  const bounds = {};
+  for (const name of FITTED) bounds[name] = otherwise[name];
+  for (const {name, lower, upper, place} of study.fitted) {
+    if (!FITTED.includes(name)) throw new InputError(`${place}: ${S.fit.onlyTwo(name)}`);
+    const start = study.set[name];
+    if (start !== undefined && !(lower <= start && start <= upper)) {
+      throw new InputError(`${study.places[name]}: ${name} = ${textOf(start)}: expected a start within the bounds of its ` +
+        `fit, ${textOf(lower)} to ${textOf(upper)}`);
+    }
+    bounds[name] = [lower, upper];
+    const wrong = rangeFault(law, muscle, {[name]: bounds[name]});
+    if (wrong) throw new InputError(`${place}: ${wrong.text}`);
+  }
+  const wrong = rangeFault(law, muscle, bounds); // the page's bounds beside what the study sets
+  if (wrong) throw new InputError(S.fit.bound(S.muscle.symbols[wrong.name], wrong.text));
+  return bounds;
 }

@@ -1,4 +1,6 @@
 // Histories of stretch: knots {time, stretch}, cut into time steps as examples/common/study.hpp does it.
+import {S} from "./strings.js";
+import {InputError} from "./text.js";
 
 export const LIMITS = {days: [1e-6, 1e6], stretch: [0.01, 100], length: [1e-3, 1e6], measured: [1e-6, 1e3],
   rows: 100000, steps: 200000, cycles: 20000};
@@ -12,7 +14,7 @@ export function cut(knots, stops, first, ratio, most = 0.002) {
   const all = latest > last.time ? knots.concat({time: latest, stretch: last.stretch}) : knots;
   const time = [all[0].time], stretch = [all[0].stretch];
   const push = (t, x) => {
-    if (time.length > LIMITS.steps) throw new Error(`more than ${LIMITS.steps} time steps: expected fewer rows`);
+    if (time.length > LIMITS.steps) throw new InputError(S.tooManySteps(LIMITS.steps));
     time.push(t);
     stretch.push(x);
   };
@@ -70,4 +72,24 @@ export function valueAt(time, values, t) {
   }
   const dt = time[high] - time[low];
   return dt > 0 ? values[low] + (values[high] - values[low]) * (t - time[low]) / dt : values[high];
+}
+
+/** All times of some runs, increasing; one at which a run has a step, two values, is there twice. */
+export function timesOf(all) {
+  const twice = new Set();
+  for (const time of all) time.forEach((t, i) => { if (i > 0 && time[i - 1] === t) twice.add(t); });
+  const once = new Set();
+  for (const time of all) time.forEach((t) => once.add(t));
+  const times = [];
+  for (const t of Float64Array.from(once).sort()) times.push(...(twice.has(t) ? [t, t] : [t]));
+  return times;
+}
+
+/** A curve at such times: of a step, its first value at the first of the two times, and its last one at the second. */
+export function along(times, time, values) {
+  let k = 0;
+  return times.map((t, i) => {
+    while (k < time.length && time[k] < t) ++k;
+    return times[i + 1] === t && time[k] === t ? values[k] : valueAt(time, values, t);
+  });
 }

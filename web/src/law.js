@@ -1,4 +1,5 @@
 // The law: the C API of abi/myogrowth.h, compiled to WebAssembly. Every number of the page comes from here.
+import {InputError} from "./text.js";
 
 const N_STATE = 9, MESSAGE = 400, FIRST_PIOLA = 1;
 
@@ -97,7 +98,7 @@ class Law {
   }
 
   fail(what) {
-    throw new Error(`${what}: ${this.text(this.at.message)}`);
+    throw new InputError(`${what}: ${this.text(this.at.message)}`);
   }
 
   /** A strip with free sides through the points {time, stretch}, by the exact flow at the middle of every step. */

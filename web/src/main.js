@@ -1,6 +1,6 @@
 // The page: starts the law, makes the views, keeps their inputs in the address.
 import {h, button} from "./dom.js";
-import {load} from "./law.js";
+import {PARAMETERS, load} from "./law.js";
 import {TABS, defaults, fromFragment, toFragment} from "./model.js";
 import {comparePanel} from "./panels/compare.js";
 import {designPanel} from "./panels/design.js";
@@ -9,7 +9,9 @@ import {musclePanel} from "./panels/muscle.js";
 import {playPanel} from "./panels/play.js";
 import {uncertaintyPanel} from "./panels/uncertainty.js";
 import {S} from "./strings.js";
+import {faultOf, textOf} from "./text.js";
 
+const MOST_ADDRESS = 2000000; // characters: Chromium takes no more
 const MAKE = {play: playPanel, compare: comparePanel, design: designPanel, uncertainty: uncertaintyPanel, fit: fitPanel};
 
 class Page {
@@ -17,6 +19,8 @@ class Page {
     Object.assign(this, {law, model: defaults(), panels: {}, tabs: {}, waiting: 0});
     this.message = h("p", {class: "fault", role: "alert", id: "link_faults"});
     this.note = h("p", {role: "status"});
+    this.noResult = h("p", {class: "fault", role: "alert", id: "no_result"});
+    this.printed = h("p", {class: "printed"});
     this.muscle = musclePanel(this);
     for (const name of TABS) {
       this.panels[name] = MAKE[name](this);
@@ -42,7 +46,7 @@ class Page {
       h("header", {}, h("h1", {}, S.title), h("p", {}, S.lead), h("p", {class: "standing"}, S.standing)), this.message,
       h("div", {class: "bar"}, tabs, button(S.link, () => this.copyLink(), {id: "copy_link"})), this.note,
       h("div", {class: "columns"}, h("aside", {}, this.muscle.element),
-        h("main", {}, ...TABS.map((name) => this.panels[name].element))),
+        h("main", {}, this.printed, this.noResult, ...TABS.map((name) => this.panels[name].element))),
       h("footer", {}, h("p", {}, S.footer(this.law.version))));
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
@@ -87,8 +91,18 @@ class Page {
   /** An input has changed: the view that is open computes again. */
   changed() {
     this.muscle.show();
-    this.panels[this.model.tab].update();
+    const unit = (name) => S.muscle.units[this.law.table[this.law.index[name]].unit].replace("–", "");
+    this.printed.textContent = S.printed(PARAMETERS.filter((name) => !/rev|min/.test(name) || this.model.muscle.tau_rev > 0)
+      .map((name) => `${S.muscle.symbols[name]} = ${textOf(this.model.muscle[name])} ${unit(name)}`.trim()).join(", "));
+    this.attempt(this.model.tab, () => this.panels[this.model.tab].update());
     this.keep();
+  }
+
+  /** Computes what a view shows. If the inputs have no result, that is said, and what is shown of earlier ones is hidden. */
+  attempt(name, compute) {
+    const why = faultOf(compute);
+    if (name === this.model.tab) this.noResult.textContent = why && S.noResult(why);
+    this.panels[name].element.classList.toggle("stale", why !== "");
   }
 
   /** Keeps the inputs in the address, a moment later. */
@@ -99,11 +113,14 @@ class Page {
 
   write() {
     clearTimeout(this.waiting);
-    history.replaceState(null, "", "#" + toFragment(this.model));
+    const fragment = "#" + toFragment(this.model), fits = fragment.length + location.pathname.length < MOST_ADDRESS;
+    if (fits) history.replaceState(null, "", fragment);
+    this.note.textContent = fits ? "" : S.linkTooLong;
+    return fits;
   }
 
   async copyLink() {
-    this.write();
+    if (!this.write()) return;
     try {
       await navigator.clipboard.writeText(location.href);
     } catch (e) {

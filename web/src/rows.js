@@ -1,63 +1,14 @@
 // Rows of fields in a CSV file, in the rules and the words of examples/common/rows.hpp. A text is a string of bytes.
 
+import {InputError, fromBytes, hint, textOf, toNumber, visible} from "./text.js";
+
 const BLANK = " \t\v\f";
 
-/** What is wrong with an input. row, field: where, counted from 0, for editors. */
-export class InputError extends Error {}
-
-/** A text as a string whose characters are its bytes in UTF-8. */
-export function toBytes(text) {
-  let bytes = "";
-  for (const b of new TextEncoder().encode(text)) bytes += String.fromCharCode(b);
-  return bytes;
-}
-
-export function fromBytes(bytes) {
-  return new TextDecoder("utf-8", {fatal: true}).decode(Uint8Array.from(bytes, (c) => c.charCodeAt(0)));
-}
-
-/** A text as it can be seen in a message. */
-export function visible(bytes) {
-  let seen = "";
-  for (let i = 0; i < bytes.length; ++i) {
-    if (i === 60) return `${seen}... (${bytes.length} bytes)`;
-    const c = bytes[i];
-    if (c === "\t") seen += "\\t";
-    else if (c >= " " && c <= "~") seen += c;
-    else seen += "\\x" + c.charCodeAt(0).toString(16).padStart(2, "0");
-  }
-  return seen;
-}
-
-/** A number in a message, with at most ten digits. */
-export function textOf(x) {
-  return String(Number(x.toPrecision(10)));
-}
-
-/** A whole text as a finite decimal number; NaN if it is none. */
-export function toNumber(text) {
-  const digits = text.length > 1 && text[0] === "+" && text[1] !== "-" ? text.slice(1) : text;
-  if (!/^-?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(digits)) return NaN;
-  const x = Number(digits);
-  return isFinite(x) && (x !== 0 || !/[1-9]/.test(digits.split(/e/i)[0])) ? x : NaN;
-}
-
-/** What may be meant by a text that is no number, to be put after it. */
-export function hint(text) {
-  const parts = text.split(",");
-  if (parts.length === 2 && !Number.isNaN(toNumber(parts.join(".")))) return `: decimal comma? write ${parts.join(".")}`;
-  if (text.includes(";")) return ": semicolons do not separate fields; decimals need a point, as 0.5";
-  if (text.includes("\t")) return ": tabs do not separate fields";
-  if (text.includes(" ")) return ": blanks do not separate fields";
-  if (text.includes('"')) return ": write it without quotes";
-  if (/^-?(\d+\.?\d*|\.\d+)e[+-]?\d+/i.test(text)) return ": beyond the range of double";
-  return "";
-}
-
-/** The rows of a file, one at a time. */
+/** The rows of a file, one at a time. blanks: in rows with blanks between fields these separate them, not commas. */
 export class Rows {
-  constructor(name, bytes) {
+  constructor(name, bytes, blanks = false) {
     this.name = name;
+    this.blanks = blanks;
     this.lineNumber = 0;
     if (/^(\xfe\xff|\xff\xfe)/.test(bytes)) throw new InputError(`${name}: is a file in UTF-16 or UTF-32; save it as UTF-8`);
     const nul = bytes.indexOf("\0");
@@ -83,6 +34,11 @@ export class Rows {
     this.line = whole;
     this.fields = [];
     this.blankAfterComma = false;
+    this.byBlanks = this.blanks && /[^\s,]\s+[^\s,]/.test(line);
+    if (this.byBlanks) {
+      for (const found of line.matchAll(/\S+/g)) this.fields.push({text: found[0], at: found.index});
+      return;
+    }
     for (let from = 0; from <= line.length;) {
       let begin = from;
       while (begin < line.length && BLANK.includes(line[begin])) ++begin;
@@ -156,13 +112,19 @@ export class Rows {
     return this.numberIf(i, `${what}, a number from ${textOf(least)} to ${textOf(most)}`, (x) => x >= least && x <= most);
   }
 
+  numberWithin(i, what, [least, most]) {
+    const x = this.number(i, what, 0);
+    if (!(least <= x && x <= most)) this.unexpected(i, `${what} from ${textOf(least)} to ${textOf(most)}`);
+    return x;
+  }
+
   endsAfter(n) {
     if (this.size > n) this.unexpected(n, "the end of the row");
   }
 
   /** What to say of fields i and i + 1 if they look like one number with a decimal comma. */
   decimalComma(i) {
-    if (i + 1 >= this.size) return "";
+    if (this.byBlanks || i + 1 >= this.size) return "";
     const whole = this.fields[i], part = this.fields[i + 1];
     if (!/^[+-]*\d+$/.test(whole.text) || !/^\d+$/.test(part.text) || part.at !== whole.at + whole.text.length + 1)
       return "";

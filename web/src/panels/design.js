@@ -14,7 +14,8 @@ export function designPanel(page) {
   const lines = Object.values(D.lines).map((label, i) => ({label, colour: i}));
   const charts = ["stretch", "lambda_e"].map((name) => new Chart({title: S.curves[name], sync: "design", series: lines}));
   const message = h("p", {class: "fault", role: "alert", id: "design_message"});
-  const result = h("div", {id: "plan", "aria-live": "polite"}), schedule = h("div", {id: "schedule"});
+  const result = h("div", {id: "plan", class: "result", "aria-live": "polite"});
+  const schedule = h("div", {id: "schedule", class: "result"});
   let plan = null, waiting = 0;
 
   function show() {
@@ -59,7 +60,7 @@ export function designPanel(page) {
   // A plan takes a tenth of a second: not for every pixel of a slider.
   const update = () => {
     clearTimeout(waiting);
-    waiting = setTimeout(compute, 60);
+    waiting = setTimeout(() => page.attempt("design", compute), 60);
   };
   return {element, update, show};
 }

@@ -1,27 +1,22 @@
 // Fit: tau and lambda_crit from measured sarcomere lengths, with intervals.
 import {Chart} from "../chart.js";
 import {button, h, newId, table} from "../dom.js";
-import {Fit, PARAMETERS_OF_FIT, checkFit} from "../fit.js";
+import {Fit, boundsOf} from "../fit.js";
 import {cut, rampAndHold} from "../history.js";
-import {InputError, hint, textOf, toBytes, toNumber} from "../rows.js";
-import {muscleOf, readStudy} from "../study.js";
+import {FITTED, rangeFault} from "../model.js";
+import {muscleOf} from "../programme.js";
 import {S} from "../strings.js";
+import {readPlain, readText} from "../study.js";
+import {faultOf, hint, textOf, toNumber} from "../text.js";
 import {EXAMPLE} from "./fit_example.js";
 import {modelField} from "./play.js";
 
-const F = S.fit, KEYWORDS = /^\s*(title|include|set|fit|rest_length|step|ramp|hold|distract|measure)\s*(,|$)/m;
+const F = S.fit, U = S.uncertainty;
+const KEYWORDS = /^\ufeff?\s*(title|include|set|fit|rest_length|step|ramp|hold|distract|cycle|tendon|measure)\s*(,|$)/m;
 
 /** The rows as a study. Rows without keywords are day, value, sd; they get the history of the tab Play. */
 function studyOf(page, text) {
-  const {rest} = page.model.fit, plain = !KEYWORDS.test(text);
-  const rows = text.split("\n").map((line) => {
-    const [fields] = line.split("#");
-    if (!fields.trim()) return line;
-    const parts = fields.split(/[,;\t]/).length > 1 || !plain ? fields : fields.trim().split(/\s+/).join(", ");
-    const [day, ...more] = parts.split(",");
-    return plain ? `measure, ${day.trim()}, lambda_e,${more.join(",")}` : line;
-  });
-  const study = readStudy(new Map([[F.file, toBytes(rows.join("\n"))]]), F.file, true);
+  const {rest} = page.model.fit, study = KEYWORDS.test(text) ? readText(F.file, text) : readPlain(F.file, text);
   if (study.knots.length < 2) study.knots = rampAndHold(page.model.play);
   for (const m of study.measurements) {
     if (m.quantity !== "lambda_e") continue;
@@ -39,77 +34,88 @@ export function fitPanel(page) {
   const rest = modelField(page, "fit_rest", F.rest, F.restUnit), bounds = {};
   const chart = new Chart({title: S.curves.lambda_e, series: [{label: F.law, colour: 0},
     {label: F.measured, colour: 1, points: true}]});
+  let used = "";
   chart.element.hidden = true;
-  const boundRows = PARAMETERS_OF_FIT.map((name) => {
-    bounds[name] = [0, 1].map((k) => h("input", {type: "text", inputmode: "decimal", name: `fit_${name}_${k}`,
-      autocomplete: "off", "aria-label": [S.uncertainty.low, S.uncertainty.high][k](S.muscle.symbols[name]),
-      oninput: () => takeBounds()}));
+  const boundRows = FITTED.map((name) => {
+    bounds[name] = [U.low, U.high].map((label, k) => h("input", {type: "text", inputmode: "decimal", name: `fit_${name}_${k}`,
+      autocomplete: "off", "aria-label": label(S.muscle.symbols[name]), "aria-describedby": faultId, oninput: () => takeBounds()}));
     return [S.muscle.symbols[name], ...bounds[name]];
   });
 
+  /** What the measurements are computed with, besides the parameters that are found. */
+  function inputs() {
+    const {muscle, fit, play} = page.model;
+    return JSON.stringify([Object.assign({}, muscle, {tau: 0, lambda_crit: 0}), fit, play]);
+  }
+
+  /** Results of other inputs are not shown. */
+  function update() {
+    if (inputs() === used) return;
+    result.replaceChildren();
+    chart.element.hidden = true;
+  }
+
   function takeBounds() {
-    fault.textContent = "";
-    for (const name of PARAMETERS_OF_FIT) {
-      const symbol = S.muscle.symbols[name], pair = bounds[name].map((box) => toNumber(box.value.trim()));
-      for (const k of [0, 1]) {
-        const text = bounds[name][k].value.trim(), label = [S.uncertainty.low, S.uncertainty.high][k](symbol);
-        if (Number.isNaN(pair[k])) fault.textContent = S.expected(label, S.anyNumber, text, hint(text));
-        const wrong = !fault.textContent && page.law.fault(Object.assign({}, page.model.muscle, {[name]: pair[k]}));
-        if (wrong) fault.textContent = `${label}: ${wrong.text}`;
-        if (fault.textContent) return false;
-      }
-      if (!(pair[0] < pair[1])) {
-        fault.textContent = S.uncertainty.order(symbol, pair[0], pair[1]);
-        return false;
-      }
+    const given = {}, boxes = FITTED.reduce((all, name) => all.concat(bounds[name]), []);
+    const say = (text, box) => {
+      fault.textContent = text;
+      boxes.forEach((one) => one.setAttribute("aria-invalid", String(one === box)));
+      return text === "";
+    };
+    for (const box of boxes) {
+      const text = box.value.trim();
+      if (Number.isNaN(toNumber(text))) return say(S.expected(box.getAttribute("aria-label"), S.anyNumber, text, hint(text)), box);
     }
-    for (const name of PARAMETERS_OF_FIT) page.model.fit[name] = bounds[name].map((box) => toNumber(box.value.trim()));
+    for (const name of FITTED) given[name] = bounds[name].map((box) => toNumber(box.value.trim()));
+    const wrong = rangeFault(page.law, page.model.muscle, given);
+    if (wrong) {
+      const box = bounds[wrong.name][wrong.end];
+      return say(`${box.getAttribute("aria-label")}: ${wrong.text}`, box);
+    }
+    const equal = FITTED.find((name) => given[name][0] === given[name][1]);
+    if (equal) return say(F.order(S.muscle.symbols[equal], ...given[equal]), bounds[equal][0]);
+    Object.assign(page.model.fit, given);
     page.keep();
-    return true;
+    update();
+    return say("");
   }
 
   function show() {
     rest.show();
     if (data.value !== page.model.fit.data) data.value = page.model.fit.data;
-    for (const name of PARAMETERS_OF_FIT) bounds[name].forEach((box, k) => { box.value = textOf(page.model.fit[name][k]); });
+    for (const name of FITTED) bounds[name].forEach((box, k) => { box.value = String(page.model.fit[name][k]); });
   }
 
   function compute() {
     result.replaceChildren();
     chart.element.hidden = true;
     if (!takeBounds()) return;
-    try {
-      const study = studyOf(page, data.value);
-      checkFit(study);
-      const muscle = muscleOf(page.law, study, page.model.muscle), ranges = {};
-      for (const name of PARAMETERS_OF_FIT) {
-        const given = study.fitted.find((b) => b.name === name);
-        ranges[name] = given ? [given.lower, given.upper] : page.model.fit[name];
-      }
-      const fit = new Fit(page.law, muscle, study.knots, study.measurements, ranges);
-      const found = fit.best(PARAMETERS_OF_FIT.map((name) => muscle[name]));
+    fault.textContent = faultOf(() => {
+      const study = studyOf(page, data.value), muscle = muscleOf(page.law, study, page.model.muscle);
+      const ranges = boundsOf(page.law, study, muscle, page.model.fit);
+      const found = new Fit(page.law, muscle, study.knots, study.measurements, ranges).best(FITTED.map((name) => muscle[name]));
       page.fitted = found;
-      report(found, ranges);
-      draw(fit, found, study, muscle);
-    } catch (e) {
-      if (!(e instanceof InputError)) throw e;
-      fault.textContent = e.message;
-    }
+      used = inputs();
+      report(found, ranges, study);
+      draw(found, study, muscle);
+    });
   }
 
-  function report(found, ranges) {
-    const end = (x) => isFinite(x) ? x.toPrecision(5) : F.open;
+  function report(found, ranges, study) {
+    const shown = (x) => isFinite(x) ? x.toPrecision(5) : F.open;
     const notes = [];
     for (const p of found.parameters) {
       if (p.atBound) notes.push(F.atBound(S.muscle.symbols[p.name]));
       if (!isFinite(p.lower) || !isFinite(p.upper)) notes.push(F.unbounded(S.muscle.symbols[p.name]));
     }
-    const freedom = found.n - 2;
+    const freedom = found.n - 2, end = study.knots[study.knots.length - 1].time;
+    const last = study.measurements.reduce((most, m) => Math.max(most, m.time), 0);
+    if (last > end) notes.push(F.beyond(end, last));
     if (found.n < 3) notes.push(F.few);
     if (found.agreeing === 1) notes.push(F.one);
     if (freedom > 0 && found.chi2 > freedom + 3 * Math.sqrt(2 * freedom)) notes.push(F.misses(found.chi2, freedom));
-    result.replaceChildren(table(F.heading, F.columns, found.parameters.map((p) => [S.muscle.symbols[p.name], end(p.estimate),
-      end(p.sd), F.interval(end(p.low), end(p.high)), F.interval(end(p.lower), end(p.upper)),
+    result.replaceChildren(table(F.heading, F.columns, found.parameters.map((p) => [S.muscle.symbols[p.name], shown(p.estimate),
+      shown(p.sd), F.interval(shown(p.low), shown(p.high)), F.interval(shown(p.lower), shown(p.upper)),
       F.interval(...ranges[p.name].map(textOf))])), h("p", {}, F.sum(found.n, found.chi2, found.agreeing, found.starts)),
     ...notes.map((text) => h("p", {class: "warning"}, text)), button(F.use, () => {
       for (const p of found.parameters) page.model.muscle[p.name] = Number(p.estimate.toPrecision(6));
@@ -118,7 +124,7 @@ export function fitPanel(page) {
     }));
   }
 
-  function draw(fit, found, study, muscle) {
+  function draw(found, study, muscle) {
     const best = Object.assign({}, muscle), days = study.measurements.map((m) => m.time);
     found.parameters.forEach((p) => { best[p.name] = p.estimate; });
     const run = page.law.pull(best, cut(study.knots, days, 0.002, 0.03)), measured = new Array(run.time.length).fill(null);
@@ -135,6 +141,7 @@ export function fitPanel(page) {
     page.model.fit.data = data.value;
     fault.textContent = "";
     page.keep();
+    update();
   });
   const example = () => {
     page.model.fit.data = EXAMPLE;
@@ -144,7 +151,7 @@ export function fitPanel(page) {
   };
   const element = h("section", {"aria-label": F.heading}, h("h2", {}, F.heading), h("label", {for: dataId}, F.data),
     h("p", {class: "note"}, F.hint), data, fault, rest.element, h("p", {class: "note"}, F.history),
-    table(F.bounds, [S.uncertainty.parameter, S.uncertainty.from, S.uncertainty.to], boundRows),
+    table(F.bounds, [U.parameter, U.from, U.to], boundRows),
     h("div", {class: "row"}, button(F.run, compute, {id: "fit_run"}), button(F.example, example)), result, chart.element);
-  return {element, update: () => {}, show};
+  return {element, update, show};
 }

@@ -4,9 +4,10 @@ import {Chart} from "../chart.js";
 import {button, field, h, newId} from "../dom.js";
 import {cut, rampAndHold, valueAt} from "../history.js";
 import {exact} from "../judge.js";
-import {ALLOWED, rangesOf} from "../model.js";
+import {ALLOWED, rangeFault, rangesOf} from "../model.js";
 import {Sarcomeres} from "../sarcomeres.js";
 import {S} from "../strings.js";
+import {faultOf} from "../text.js";
 
 const SLIDERS = {stretch: [0.8, 1.5, 0.005], ramp: [0, 28, 0.25], hold: [0, 365, 1], days: [1, 365, 1]};
 const LEVELS = [0.05, 0.03, 0.02], HISTORIES = 200, DELAY = 120;
@@ -31,6 +32,7 @@ export function playPanel(page) {
   const picture = new Sarcomeres(), bandsId = newId(), dayId = newId();
   const withBands = h("input", {type: "checkbox", id: bandsId, checked: true});
   const day = h("input", {type: "range", id: dayId, name: "day", min: 0, max: 1000, value: 1000});
+  const bandFault = h("p", {class: "fault", role: "alert", id: "band_fault"});
   const readout = h("p", {class: "readout", id: "readout"});
   const animate = button(S.play.animate, () => timer ? stop() : start());
   let run = null, bands = null, waiting = 0, timer = 0;
@@ -71,6 +73,7 @@ export function playPanel(page) {
     const {law, model} = page, started = performance.now(), knots = rampAndHold(model.play);
     run = law.pull(model.muscle, cut(knots, [], 0.005, 0.03));
     bands = null;
+    bandFault.textContent = "";
     draw();
     const e = exact(law, model.muscle, knots, LEVELS.map((x) => 1 + x));
     const day0 = (x) => x === 0 ? S.play.always : isFinite(x) ? x.toFixed(3) : S.play.never;
@@ -86,8 +89,11 @@ export function playPanel(page) {
   }
 
   function drawBands(knots) {
-    const {law, model} = page, points = coarse(knots), many = new Bands(law, model.muscle, rangesOf(model), points);
-    many.add(HISTORIES);
+    const {law, model} = page, ranges = rangesOf(model), points = coarse(knots);
+    const many = new Bands(law, model.muscle, ranges, points), wrong = rangeFault(law, model.muscle, ranges);
+    const why = wrong ? wrong.text : faultOf(() => many.add(HISTORIES));
+    bandFault.textContent = why && S.play.noBand(why);
+    if (why) return;
     bands = {time: points.time};
     for (const name of ["lambda_e", "G", "force"]) bands[name] = many.percentiles(name, [0.05, 0.95]);
     draw();
@@ -100,7 +106,7 @@ export function playPanel(page) {
     h("h3", {}, S.play.picture), picture.element,
     h("div", {class: "row"}, h("label", {for: dayId}, S.play.day), day, animate), readout,
     h("h3", {}, S.play.numbers), numbers,
-    h("div", {class: "row"}, withBands, h("label", {for: bandsId}, S.play.bands)),
+    h("div", {class: "row"}, withBands, h("label", {for: bandsId}, S.play.bands)), bandFault,
     h("div", {class: "charts"}, ...charts.map((c) => c.element)));
   return {element, update, show: () => fields.forEach((f) => f.show()), hide: stop};
 }

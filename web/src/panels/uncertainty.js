@@ -3,16 +3,16 @@ import {Bands, RANGED, coarse} from "../bands.js";
 import {Chart} from "../chart.js";
 import {button, h, newId, table} from "../dom.js";
 import {rampAndHold} from "../history.js";
-import {rangesOf} from "../model.js";
+import {rangeFault, rangesOf} from "../model.js";
 import {judge} from "../judge.js";
-import {hint, textOf, toNumber} from "../rows.js";
 import {S} from "../strings.js";
+import {hint, toNumber} from "../text.js";
 
 const U = S.uncertainty, FRACTIONS = [0.05, 0.5, 0.95], PIECE = 100;
 
 export function uncertaintyPanel(page) {
   const fault = h("p", {class: "fault", role: "alert", id: "range_fault"}), status = h("p", {id: "speed", role: "status"});
-  const inputs = {}, result = h("div", {id: "percentiles"}), countId = newId();
+  const inputs = {}, result = h("div", {id: "percentiles", class: "result"}), countId = newId();
   const count = h("select", {id: countId}, ...[1000, 5000, 20000].map((n) => h("option", {value: n}, String(n))));
   const charts = ["lambda_e", "G", "force"].map((name, i) => new Chart({title: S.curves[name], sync: "uncertainty",
     bands: [[2, 0]], series: [S.curves.low, S.curves.median, S.curves.high].map((label, k) =>
@@ -22,9 +22,7 @@ export function uncertaintyPanel(page) {
   const input = (name, end) => {
     const symbol = S.muscle.symbols[name], box = h("input", {type: "text", inputmode: "decimal", autocomplete: "off",
       name: `range_${name}_${end}`, "aria-label": (end === 0 ? U.low : U.high)(symbol), "aria-describedby": "range_fault"});
-    box.addEventListener("input", () => {
-      if (check()) update();
-    });
+    box.addEventListener("input", () => page.attempt("uncertainty", compute));
     return box;
   };
   const rows = RANGED.map((name) => {
@@ -32,6 +30,8 @@ export function uncertaintyPanel(page) {
     const entry = page.law.table[page.law.index[name]];
     return [`${S.muscle.symbols[name]} [${S.muscle.units[entry.unit]}]`, ...inputs[name]];
   });
+
+  const numberIn = (box) => toNumber(box.value.trim());
 
   /** Takes the ranges from the page if all are right; else says what is wrong with the first. */
   function check() {
@@ -41,27 +41,26 @@ export function uncertaintyPanel(page) {
       box.setAttribute("aria-invalid", "true");
       return false;
     };
+    const given = {}, label = (name, end) => [U.low, U.high][end](S.muscle.symbols[name]);
     for (const name of RANGED) {
-      const symbol = S.muscle.symbols[name], pair = inputs[name].map((box) => toNumber(box.value.trim()));
-      for (const k of [0, 1]) {
-        const box = inputs[name][k], label = [U.low, U.high][k](symbol), text = box.value.trim();
-        if (Number.isNaN(pair[k])) return say(S.expected(label, S.anyNumber, text, hint(text)), box);
-        const wrong = page.law.fault(Object.assign({}, page.model.muscle, {[name]: pair[k]}));
-        if (wrong) return say(`${label}: ${wrong.text}`, box);
+      for (const [end, box] of inputs[name].entries()) {
+        const text = box.value.trim();
+        if (Number.isNaN(toNumber(text))) return say(S.expected(label(name, end), S.anyNumber, text, hint(text)), box);
       }
-      if (pair[0] > pair[1]) return say(U.order(symbol, pair[0], pair[1]), inputs[name][0]);
+      given[name] = inputs[name].map(numberIn);
     }
+    const wrong = rangeFault(page.law, page.model.muscle, given);
+    if (wrong) return say(`${label(wrong.name, wrong.end)}: ${wrong.text}`, inputs[wrong.name][wrong.end]);
     fault.textContent = "";
-    const own = {}, follow = rangesOf(page.model);
-    for (const name of RANGED) own[name] = inputs[name].map((box) => toNumber(box.value.trim()));
-    if (page.model.ranges || RANGED.some((name) => own[name].some((x, k) => x !== follow[name][k]))) page.model.ranges = own;
+    const follow = rangesOf(page.model);
+    if (page.model.ranges || RANGED.some((name) => given[name].some((x, k) => x !== follow[name][k]))) page.model.ranges = given;
     page.keep();
     return true;
   }
 
   function show() {
     const ranges = rangesOf(page.model);
-    for (const name of RANGED) inputs[name].forEach((box, k) => { box.value = textOf(ranges[name][k]); });
+    for (const name of RANGED) inputs[name].forEach((box, k) => { box.value = String(ranges[name][k]); });
     check();
   }
 
@@ -77,33 +76,40 @@ export function uncertaintyPanel(page) {
 
   function update() {
     if (!page.model.ranges) show(); // they follow the muscle
-    if (fault.textContent) return;
-    const mine = ++run, n = Number(count.value), points = coarse(rampAndHold(page.model.play));
+    compute();
+  }
+
+  function compute() {
+    const mine = ++run;
+    results.hidden = !check();
+    if (results.hidden) return;
+    const n = Number(count.value), points = coarse(rampAndHold(page.model.play));
     const bands = new Bands(page.law, page.model.muscle, rangesOf(page.model), points);
     let busy = 0;
+    const later = () => setTimeout(() => mine === run && page.attempt("uncertainty", work));
     const work = () => {
-      if (mine !== run) return;
       const started = performance.now();
       bands.add(Math.min(PIECE, n - bands.runs.length));
       busy += performance.now() - started;
       status.textContent = U.working(bands.runs.length, n);
       if (bands.runs.length < n) {
-        setTimeout(work);
+        later();
         return;
       }
       finish(bands);
       status.textContent = U.speed(n, busy);
     };
-    setTimeout(work);
+    later();
   }
 
-  count.addEventListener("change", update);
+  count.addEventListener("change", () => page.changed());
+  const results = h("div", {}, status, result, h("div", {class: "charts"}, ...charts.map((c) => c.element)));
   const element = h("section", {"aria-label": U.heading}, h("h2", {}, U.heading), h("p", {}, U.explain),
     table(U.ranges, [U.parameter, U.from, U.to], rows), fault,
-    h("div", {class: "row"}, h("label", {for: countId}, U.histories), count, button(U.run, update), button(U.follow, () => {
-      page.model.ranges = null;
-      page.changed();
-    })), status,
-    result, h("div", {class: "charts"}, ...charts.map((c) => c.element)));
+    h("div", {class: "row"}, h("label", {for: countId}, U.histories), count, button(U.run, () => page.changed()),
+      button(U.follow, () => {
+        page.model.ranges = null;
+        page.changed();
+      })), results);
   return {element, update, show, hide: () => { ++run; }};
 }
