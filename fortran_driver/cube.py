@@ -1,4 +1,5 @@
-"""The paper's cube test: runs the one-element driver, compares with the exact solution, draws Figs 2 and 4.
+"""The paper's cube test: runs the one-element driver, compares with the exact solution, draws Figs 2 and 4; with an
+elastic law other than eq. 3, the force-length curve before and after as well.
 
 A cube of muscle with its fibre along the pull is stretched in a ramp and held; its sides are free. Its fibre stretch
 is then the stretch of the cube, and eq. 4 an ordinary differential equation that needs no finite elements.
@@ -7,6 +8,7 @@ import argparse
 import pathlib
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 
@@ -37,6 +39,12 @@ CASE = """! The paper's cube test, written by ./run cube
 """
 FILES = ("cube.nml", "history.csv", "newton.log", "fig2_elastic_stretch.png", "fig4_sarcomere_number.png")
 COLUMNS = "time,G,lambda_e,lambda,J,Je,s11,s22,s33,s12,s13,s23,reaction,iterations".split(",")
+FORCE_LENGTH = "force_length.png"  # with --law
+POINT = """&material
+  props = 0.0, 0.0, {tau!r}, {gamma!r}, {G_max!r}, 1000.0, 1.0, 0.0, 0.0, 9*0.0, {law}.0, {activation!r}
+  statev_initial = {G!r}
+/
+"""
 MOST_INCREMENTS = 100_000
 
 
@@ -100,7 +108,7 @@ def run(a):
     """The columns of the history that this run has written."""
     files.make_folder(a.out)
     files.lock(a.out / "lock")
-    files.remove(a.out / name for name in FILES)
+    files.remove(a.out / name for name in (*FILES, FORCE_LENGTH))
     case = a.out / "cube.nml"
     if a.ramp > 0:
         times, values = f"0.0, {a.ramp!r}", f"0.0, {a.stretch - 1!r}"
@@ -119,6 +127,57 @@ def run(a):
     if abs(rows["time"][-1] - a.duration) > 1e-9 * a.duration:
         raise files.FileError(f"{history}: ends at time {rows['time'][-1]:g}, not at --duration = {a.duration:g}")
     return rows
+
+
+def force_length(a, G, activation):
+    """Stretches of the whole muscle, and its force per reference area, at a sarcomere number that stays: a strip whose
+    sides are free. Rows of a path are points of their own then; their lateral stretches are bisected all at once."""
+    stretch = np.linspace(0.7, 1.45, 61) if a.law == 3 else np.linspace(0.6, 2.2, 65)
+    width = 1.15 if a.law == 3 else 1.3
+    low, high = stretch**-0.5 / width, stretch**-0.5 * width
+    with tempfile.TemporaryDirectory(prefix="myogrowth_") as folder:
+        case, path = pathlib.Path(folder) / "point.nml", pathlib.Path(folder) / "path.csv"
+        case.write_text(POINT.format(**{**vars(a), "activation": activation, "G": float(G)}))
+
+        def stresses(side):
+            lines = [f"{n + 1},{x!r},0,0,0,{y!r},0,0,0,{y!r}\n" for n, (x, y) in enumerate(zip(stretch.tolist(), side.tolist()))]
+            path.write_text("time,F11,F12,F13,F21,F22,F23,F31,F32,F33\n" + "".join(lines))
+            done = subprocess.run([a.driver, case, "--path", path, "--out", folder, "--quiet"], stderr=subprocess.PIPE, text=True)
+            if done.returncode:
+                raise files.FileError(f"{a.driver}: the force-length curve: {done.stderr.strip() or files.ended(done.returncode)}")
+            read = files.read_columns(pathlib.Path(folder) / "history.csv", COLUMNS)
+            return np.array(read["s11"]), np.array(read["s22"])
+
+        bracketed = (stresses(low)[1] < 0) & (stresses(high)[1] > 0)
+        for _ in range(24):
+            middle = (low + high) / 2
+            along, across = stresses(middle)
+            low, high = np.where(across > 0, low, middle), np.where(across > 0, middle, high)
+    return stretch, np.where(bracketed, along * middle**2, np.nan)
+
+
+def draw_force_length(a, G):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    fig, ax = plt.subplots(figsize=(6.4, 4.2), dpi=130)
+    for number, colour, when in ((1.0, "#1d3f72", "before, G = 1"), (G, "#b3331d", f"after {a.duration:g} d, G = {G:.4f}")):
+        passive = force_length(a, number, 0.0)
+        ax.plot(*passive, "--", lw=1.2, color=colour, label=f"passive, {when}")
+        if a.activation > 0:
+            ax.plot(*force_length(a, number, a.activation), lw=1.6, color=colour, label=f"activation {a.activation:g}, {when}")
+    ax.axvline(a.stretch, color="0.55", lw=0.8, ls=":")
+    ax.set_xlabel("stretch of the whole muscle [-]")
+    ax.set_ylabel("force per reference area [kPa]")
+    ax.set_title(f"Force-length curve of a strip, elastic law {a.law}; dotted: the stretch that is held", fontsize=9.5)
+    ax.grid(alpha=0.25)
+    ax.legend(fontsize=8, frameon=False)
+    fig.tight_layout()
+    with files.writing(a.out / FORCE_LENGTH) as part:
+        fig.savefig(part)
+    plt.close(fig)
 
 
 def compare(a, rows, G):
@@ -186,7 +245,9 @@ def main():
     G = exact(a, rows["time"])
     compare(a, rows, G)
     draw(a, rows, G)
-    print(f"\n{a.out}/: {', '.join(FILES)}")
+    if a.law:
+        draw_force_length(a, rows["G"][-1])
+    print(f"\n{a.out}/: {', '.join((*FILES, *[FORCE_LENGTH] * (a.law > 0)))}")
 
 
 if __name__ == "__main__":

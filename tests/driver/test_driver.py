@@ -838,6 +838,16 @@ class CubeJob(unittest.TestCase):
             for x in table[name]:
                 self.assertAlmostEqual(x, value, delta=1e-4)
 
+    def test_growth_shifts_the_force_length_curve(self):
+        """Per reference volume: the force of the grown muscle at the stretch G x is that of the other at x over G."""
+        a = types.SimpleNamespace(driver=DRIVER, law=2, tau=TAU, gamma=GAMMA, G_max=G_MAX)
+        x, before = cube.force_length(a, 1.0, 0.5)
+        y, after = cube.force_length(a, 1.08, 0.5)
+        shared = x * 1.08 < y[-1]
+        for there, here in zip(cube.np.interp(x[shared] * 1.08, y, after), before[shared]):
+            self.assertAlmostEqual(there, here / 1.08, delta=0.5)  # kPa, of 200: straight lines across the kinks
+        self.assertAlmostEqual(before[cube.np.abs(x - 1.4).argmin()], 105, delta=1)  # sigma_max a/lambda_opt and the matrix
+
     def test_options(self):
         done, folder = self.cube("--stretch", "1.05", "--ramp", "0", "--duration", "5", "--step", "0.1", "--gamma", "1.5")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -848,6 +858,7 @@ class CubeJob(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("0.0, 0.0, 0.5, 2.0, 1.1, 1.01, 1.0, 0.0, 0.0, 9*0.0, 2.0, 0.5", (folder / "cube.nml").read_text())
         self.assertIn("G, day 42                      1.08680   1.08682", done.stdout)  # eq. 4 needs the stretch only
+        self.assertTrue((folder / "force_length.png").exists())
         for options, status, words in (
             ("--step -1", 2, "argument --step: -1: must be a finite number > 0"),
             ("--step 43", 2, "--step = 43.0: must be between --duration/100000 and --duration = 42.0"),
