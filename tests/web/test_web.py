@@ -730,9 +730,6 @@ class Fit(Page):
         self.assertEqual(len(self.browser.table("#fit_result")), 2)
         self.browser.type("[name=gamma]", "1")
         self.assertEqual(self.browser.table("#fit_result"), [])
-        self.put(rows)
-        self.browser.type("[name=fit_data]", "1")
-        self.assertEqual(self.browser.table("#fit_result"), [])
 
     def test_what_the_data_leave_open(self):
         self.put("1, 1.0654, 0.003\n2, 1.0424, 0.003")

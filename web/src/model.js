@@ -99,7 +99,7 @@ export function fromFragment(fragment, law) {
   for (const [key, value] of q) {
     const x = toNumber(value), [, kind, name] = /^(range|fit)_(\w+)$/.exec(key) || [];
     if (seen.has(key) && key !== "programme") {
-      refuse(key, value, S.onlyOnce);
+      refuse(key, value, S.givenTwice);
     } else if (key === "tab") {
       if (TABS.includes(value)) model.tab = value; else refuse(key, value, TABS.join(", "));
     } else if (PARAMETERS.includes(key)) {

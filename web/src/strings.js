@@ -18,7 +18,7 @@ export const S = {
   linkEntry: (key, value, expected) => `${key} = ${value}: expected ${expected}.`,
   noTendon: "this page computes muscle without a tendon; ./run protocol and ./run fit take it",
   unknownEntry: "one of the page's names",
-  onlyOnce: "only once; the first is used",
+  givenTwice: "only once; the first is used",
   fourProgrammes: "at most four programmes",
   linkOrder: "expected LOW < HIGH.",
   linkTooLong: "The inputs are too long for a link: save the programmes as CSV, and keep the measurements in a file.",
