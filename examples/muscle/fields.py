@@ -25,8 +25,8 @@ FIBRES = ("fibre", "fiber", "fibres", "fibers", "f0", "n0", "fibre_direction", "
 
 
 def named(name):
-    """A name as sets have it here: upper case, ASCII, without blanks."""
-    return "_".join(str(name).upper().encode("ascii", "backslashreplace").decode().split())
+    """A name as sets have it here: upper case, ASCII, without what parts names in lists and tables."""
+    return re.sub(r'[\s,;"]+', "_", str(name).upper().encode("ascii", "backslashreplace").decode().strip())
 
 
 class _Msh:

@@ -126,6 +126,7 @@ class Decks(Case):
             mesh = self.read(text.encode(encoding))
             self.assertEqual(mesh.sections, ["MUSKEL_\\xc4"])
             meshes.neutral(mesh).encode("ascii")
+        self.assertEqual(self.read(Bar().deck(element='ELSET="Left, inner; deep"')).sections, ["LEFT_INNER_DEEP"])
 
     def test_sections(self):
         solid = "*SOLID SECTION, ELSET=MUSCLE, MATERIAL=M\n*MATERIAL, NAME=M\n*STEP\n*STATIC\n*END STEP\n"
