@@ -216,18 +216,22 @@ FibreGrowthOf<Elastic> with_law(const Elastic& law, const FibreGrowth<double>& m
   return {law, m.growth, m.removal, m.energy, m.integration};
 }
 
-/// What use(u, material, activation) gives for the material of the law that was chosen, with u what its
-/// update_point fills; use(u, material) for eq. 3.
+/// What use(u, material, activation) gives for the material of the law that was chosen, of 1 to 3, with u
+/// what its update_point fills.
 template <class Use>
-UpdateStatus with_material(const FibreGrowth<double>& m, const LawChoice& choice, const Use& use) {
-  if (choice.law == Law::neo_hookean) {
-    PointUpdate<double> u;
-    return use(u, m);
-  }
+UpdateStatus with_other_law(const FibreGrowth<double>& m, const LawChoice& choice, const Use& use) {
   ElasticPointUpdate<double> u;
   if (choice.law == Law::roehrle) return use(u, with_law(roehrle_of(choice.p), m), choice.activation);
   if (choice.law == Law::blemker) return use(u, with_law(blemker_of(choice.p), m), choice.activation);
   return use(u, with_law(ehret_of(choice.p), m), choice.activation);
+}
+
+/// The same with any law; use(u, material) for eq. 3.
+template <class Use>
+UpdateStatus with_material(const FibreGrowth<double>& m, const LawChoice& choice, const Use& use) {
+  if (choice.law != Law::neo_hookean) return with_other_law(m, choice, use);
+  PointUpdate<double> u;
+  return use(u, m);
 }
 
 }  // namespace abi

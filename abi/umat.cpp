@@ -114,9 +114,10 @@ MYOGROWTH_NOINLINE bool update_with_law(Call c, abi::Text& text) {
   };
   if (find_fault(*c.ntens, *c.ndi, *c.nshr, *c.nstatv, c.statev, properties, start, text, find_law_fault))
     return false;
-  abi::with_material(properties.material, choice, [&](auto& u, const auto& material, const auto&... a) {
-    update<std::decay_t<decltype(u)>>([&] { return c; }, properties, start, material, a...);
-    return u.status;
+  // (Not with_material: a second copy of eq. 3's code would keep the first from being inlined.)
+  abi::with_other_law(properties.material, choice, [&](auto& u, const auto& material, double activation) {
+    update<std::decay_t<decltype(u)>>([&] { return c; }, properties, start, material, activation);
+    return UpdateStatus::ok;
   });
   return true;
 }
