@@ -3,6 +3,8 @@
 #ifndef MYOGROWTH_BENCH_POINTS_HPP
 #define MYOGROWTH_BENCH_POINTS_HPP
 
+#include <sys/mman.h>
+
 #include <Eigen/Dense>
 #include <cstddef>
 #include <new>
@@ -27,16 +29,25 @@ inline std::vector<double> props(double gamma, bool second_order = false) {
   return all;
 }
 
-/// Numbers aligned to a cache line, so that no pack crosses two.
+/// Numbers aligned to a cache line, so that no pack crosses two; many of them on huge pages where the system
+/// has some, or the walks through its page tables are timed as well.
 template <class T>
 struct OnCacheLine {
   using value_type = T;
-  static constexpr std::align_val_t line{64};
+  static constexpr std::align_val_t line{64}, huge_page{1 << 21};
+  static bool are_many(std::size_t n) { return n * sizeof(T) >= 2 * static_cast<std::size_t>(huge_page); }
   OnCacheLine() = default;
   template <class U>
   OnCacheLine(const OnCacheLine<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), line)); }
-  void deallocate(T* p, std::size_t) { ::operator delete(p, line); }
+  T* allocate(std::size_t n) {
+    if (!are_many(n)) return static_cast<T*>(::operator new(n * sizeof(T), line));
+    void* const p = ::operator new(n * sizeof(T), huge_page);
+#if defined(MADV_HUGEPAGE)
+    madvise(p, n * sizeof(T), MADV_HUGEPAGE);
+#endif
+    return static_cast<T*>(p);
+  }
+  void deallocate(T* p, std::size_t n) { ::operator delete(p, are_many(n) ? huge_page : line); }
   friend bool operator==(OnCacheLine, OnCacheLine) { return true; }
   friend bool operator!=(OnCacheLine, OnCacheLine) { return false; }
 };
