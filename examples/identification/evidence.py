@@ -13,7 +13,7 @@ import pictures as draw  # noqa: E402
 HERE = pathlib.Path(__file__).resolve().parent
 PUBLISHED = HERE / "published"
 MUSCLE = PUBLISHED / "muscle"
-REMOVAL = ["set, gamma_rev, 0", "set, G_min, 0.4", "set, lambda_crit_rev, 1"]
+SHAPE = PUBLISHED / "shape"
 DOSES = [MUSCLE / "williams_1988.csv", PUBLISHED / "tabary_1972_shortened.csv", PUBLISHED / "tabary_1972_lengthened.csv",
          MUSCLE / "burkholder_1998.csv", MUSCLE / "panidi_2023.csv", PUBLISHED / "zollner_2012.csv", PUBLISHED / "csapo_2010.csv",
          PUBLISHED / "boakes_2007.csv"]
@@ -87,59 +87,110 @@ def time_constants(runs, reports):
         add(name, "none: height fitted", reports[stem])
     numbers = [MUSCLE / f"biceps_femoris_{s}.csv" for s in ("distal", "central")]
     add("both regions, one height", "none: height fitted", runs.run("fit", "joint_numbers", *numbers, "--starts", 2))
+    shape = [SHAPE / f"biceps_femoris_{s}.csv" for s in ("distal", "central")]
+    add("both regions, heights by the muscle's shape", "from a real muscle", runs.run("fit", "shape", *shape, "--starts", 4))
     add("Takahashi, rabbit, week 1", "1.35 at the transfer", reports["takahashi_2010_week1"])
     add("Zöllner, week 2", "published", reports["zollner_2012"])
     return rows
 
 
+def values_of(law):
+    """The parameters of a law that were fitted, as text."""
+    symbols = {"tau": "τ", "tau_rev": "τ_rev", "lambda_crit_rev": "λ_crit_rev", "tau_fall": "τ_fall", "tau_rise": "τ_rise",
+               "x_half": "x_half"}
+    days = {"tau", "tau_rev", "tau_fall", "tau_rise"}
+    return ", ".join(f"{symbols[n]} = {v:.3g}{' d' if n in days else ''}" for n, v in zip(law["parameters"], law["values"]))
+
+
+def law_name(law, tau):
+    name = law["name"].replace("tau as set", f"τ = {tau:g} d held").replace("lambda_crit_rev", "λ_crit_rev")
+    return name.replace("growth only", "growth only (eq. 4 as printed)")
+
+
 def doses(runs):
-    """Growth only, equal rates, two rates: the same 12 figures."""
-    rows = ["| law | parameters fitted | χ² of 12 figures | AIC = χ² + 2k | Δ AIC |", "|---|---|---|---|---|"]
-    base = [f"include, {MUSCLE / 'williams_1990.csv'}", "set, G_max, 3", "set, gamma, 1", *REMOVAL]
-    only = runs.study("growth_only", *base, "set, tau_rev, 0", "fit, tau, 0.005, 50")
-    found = [("eq. 4 as printed, no removal", "τ", runs.run("fit", "growth_only", only, *DOSES, "--starts", 2), 1)]
-    scans = []
-    for t in (0.05, 0.2, 0.5, 1, 2, 3, 4, 6, 10):
-        equal = runs.study(f"equal_rates_{t}", *base, f"set, tau, {t}", f"set, tau_rev, {t}")
-        scans.append(runs.run("fit", "equal_rates", equal, *DOSES))
-    best = min(scans, key=lambda r: r["chi2"])
-    found.append(("with removal at the same rate", f"τ = τ_rev = {best['values'][0]:g} d, of nine tried", best, 1))
+    """The extensions of the law, each fitted to the same 12 figures of dose, and to 16 with those of other kinds."""
+    base = ["--extensions", HERE / "dose.csv", "--set", "tau=0.5", MUSCLE / "williams_1990.csv", *DOSES]
+    dose = runs.run("evidence", "extensions", *base)
+    others = [MUSCLE / f"{s}.csv" for s in ("takahashi_2010_week1", "pincheira_2022_distal", "andrews_2025_distal",
+                                             "andrews_2025_central")]
+    every = runs.run("evidence", "extensions_all", *base, *others)
+    n, m = len(dose["figures"]), len(every["figures"])
+    rows = [f"| law | fitted | χ² of {n} | AIC = χ² + 2k | Δ AIC | worst, in sd | χ² of {m} |", "|---|---|---|---|---|---|---|"]
+
+    def aic(law):
+        return law["chi2"] + 2 * len(law["values"])
+
+    least = min(map(aic, dose["laws"]))
+    for law, more in zip(dose["laws"], every["laws"], strict=True):
+        worst = max(abs(y - f["value"]) / f["sd"] for y, f in zip(law["computed"], dose["figures"], strict=True))
+        rows.append(f"| {law_name(law, dose['tau'])} | {values_of(law)} | {law['chi2']:.1f} | {aic(law):.1f} | {aic(law) - least:.1f} | "
+                    f"{worst:.1f} | {more['chi2']:.1f} |")
+    shown = {"growth only": "growth only", "growth and removal, one rate": "one rate", "two rates": "two rates",
+             "tau as set, two rates": "two rates, τ held", "one rate, sensed stretch that rises at once": "sensed, at once",
+             "tau as set, one rate, sensed stretch with two time constants": "sensed, two times, τ held"}
+    laws = [next(law for law in dose["laws"] if law["name"] == name) for name in shown]
+    rows += ["", "| figure | published | " + " | ".join(shown.values()) + " |", "|---|---" + "|---" * len(shown) + "|"]
+    for i, f in enumerate(dose["figures"]):
+        values = " | ".join(f"{law['computed'][i]:.3f}" for law in laws)
+        rows.append(f"| {f['title']}, day {f['day']:g}, {f['quantity']} | {f['value']:.3f} ± {f['sd']:.3f} | {values} |")
     two = runs.run("fit", "two_rates", HERE / "dose.csv", *DOSES, "--starts", 1)
     words = ", ".join(f"{n} = {interval(p)} d" for n, p in zip(("τ", "τ_rev"), two["parameters"]))
-    found.append(("with removal at its own rate", words, two, 2))
-    least = min(r["chi2"] + 2 * k for _, _, r, k in found)
-    for name, text, r, k in found:
-        rows.append(f"| {name} | {text} | {r['chi2']:.1f} | {r['chi2'] + 2 * k:.1f} | {r['chi2'] + 2 * k - least:.1f} |")
-    table = ["| figure | published | no removal | equal rates | two rates |", "|---|---|---|---|---|"]
-    for i, m in enumerate(two["measurements"]):
-        values = " | ".join(f"{r['measurements'][i]['computed']:.3f}" for _, _, r, _ in found)
-        table.append(f"| {m['title']}, day {m['day']:g}, {m['quantity']} | {m['value']:.3f} ± {m['sd']:.3f} | {values} |")
-    return [*rows, "", *table]
+    return [*rows, "", f"Two rates, 95 % by profile (`./run fit`): {words}."]
+
+
+def left_open(runs):
+    """Which parameters the numbers of both regions leave open: all of them fitted together."""
+    names = ("distal", "central")
+    rows = ["| fitted to | τ [d] | γ | G_max | λ_crit | τ_rev [d] | height | χ² / measurements |", "|---" * 8 + "|"]
+    for title, regions in (("distal", names[:1]), ("central", names[1:]), ("both, heights by shape", names)):
+        path = runs.study("open_" + title.split(",")[0], f"include, {SHAPE / f'biceps_femoris_{regions[0]}.csv'}", "fit, gamma, 0, 8",
+                          "fit, G_max, 1.5, 6", "fit, lambda_crit, 1, 1.06")
+        r = runs.run("fit", path.stem, path, *[SHAPE / f"biceps_femoris_{name}.csv" for name in regions[1:]], "--starts", 2)
+        by_name = {p["name"]: p for p in r["parameters"]}
+        cells = [interval(by_name[n]) for n in ("tau", "gamma", "G_max", "lambda_crit", "tau_rev", "amplitude")]
+        rows.append(f"| {title} | {' | '.join(cells)} | {r['chi2']:.2f} / {len(r['measurements'])} |")
+    return rows
 
 
 def tendon(runs):
+    """The table of the tendon, and what is predicted as rows of the table of all comparisons."""
     r = runs.run("evidence", "tendon", PUBLISHED / "tendon" / "takahashi_2010.csv")
     heads = [f"{q}, day {d:g}: {v:.3f} ± {s:.3f}" for q, d, v, s in zip(r["quantity"], r["day"], r["value"], r["sd"])]
     rows = ["| fitted to | τ [d] | viscosity [kPa d] | " + " | ".join(heads) + " | χ² |", "|---" * (4 + len(heads)) + "|"]
+    predicted = []
     for c in r["cases"]:
+        for i, fitted in enumerate(c["fitted"]):
+            if not fitted:
+                m = {name: r[name][i] for name in ("day", "quantity", "value", "sd")}
+                predicted.append(row(f"Takahashi 2010: with a tendon, {c['name']}", {**m, "computed": c["computed"][i]}, False))
         cells = [f"{y:.3f}" + ("" if fitted else f" predicted, {100 * (y / v - 1):+.1f} %")
                  for y, v, fitted in zip(c["computed"], r["value"], c["fitted"])]
         viscosity = "rigid" if c["viscosity"] is None else f"{c['viscosity']:.3g}"
         rows.append(f"| {c['name'][len('fitted to '):]} | {c['tau']:.2g} | {viscosity} | {' | '.join(cells)} | {c['chi2']:.1f} |")
-    return rows
+    return rows, predicted
 
 
 def areas(runs):
+    """The same for growth across the fibre, and the report."""
     folder = PUBLISHED / "cross_section"
     r = runs.run("evidence", "areas", "--area", folder / "defreitas_2011.csv", "--predict", folder / "seynnes_2007.csv",
                  "--predict", folder / "damas_2016.csv")
     rows = [f"τ = {r['tau']:.3g} d, overload {r['overload']:.3f}; χ² = {r['chi2']:.2f} for 8 areas.", "",
             "| study | day | published | law | off by | verdict |", "|---|---|---|---|---|---|"]
+    predicted = []
     for i, s in enumerate(r["studies"]):
         for day, value, sd, y in list(zip(s["day"], s["value"], s["sd"], s["computed"]))[1:]:
+            m = {"day": day, "quantity": "area", "value": value, "sd": sd, "computed": y}
+            if i > 0:
+                predicted.append(row(f"{s['name'].replace('_', ' ').capitalize()}: cross-section", m, False))
             words = "fitted" if i == 0 else verdict(value, sd, y, False)
             rows.append(f"| {s['name']} | {day:g} | {value:.3f} ± {sd:.3f} | {y:.3f} | {100 * (y / value - 1):+.1f} % | {words} |")
-    return rows, r
+    return rows, predicted, r
+
+
+def cycles(dose):
+    rows = ["| 3000 days of half an hour at 1.1 | tolerance | cycles computed | G | error |", "|---|---|---|---|---|"]
+    return rows + [f"| {c['name']} | {c['tolerance']:g} | {c['evaluated']} | {c['G']:.4f} | {c['error']:.1e} |" for c in dose["control"]]
 
 
 def pictures(out, reports, dose, area):
@@ -160,14 +211,15 @@ def pictures(out, reports, dose, area):
         axes[0].set_title("what τ has to be (dashed: 0.5 d; dotted: 95 %)", loc="left")
         axes[0].legend()
         for s, colour in zip(area["studies"], draw.CYCLE):
-            axes[1].errorbar(s["day"], s["value"], yerr=s["sd"], fmt="o", ms=4, capsize=2, lw=1, color=colour, label=draw.literal(s["name"]))
+            axes[1].errorbar(s["day"], s["value"], yerr=s["sd"], fmt="o", ms=4, capsize=2, lw=1, color=colour,
+                             label=draw.literal(s["name"]))
         curve = sorted({(d, y) for s in area["studies"] for d, y in zip(s["day"], s["computed"])})
         axes[1].plot(*zip(*curve), color="0.3", lw=1.2, label="the law, fitted to DeFreitas")
         axes[1].set(xlabel="days of training", ylabel="relative cross-section [-]")
         axes[1].legend()
         fig.tight_layout()
         draw.save(fig, out / "evidence.png")
-        fig, axes = plt.subplots(2, 3, figsize=(11.4, 6.4), sharex=True, sharey=True, layout="constrained")
+        fig, axes = plt.subplots(2, 4, figsize=(14.4, 6.4), sharex=True, sharey=True, layout="constrained")
         levels = [0.8, 0.85, 0.9, 0.95, 0.99, 1.01, 1.05, 1.1, 1.15, 1.2, 1.25, 1.3]
         for ax, m in zip(axes.flat, dose["maps"]):
             drawn = ax.contourf(dose["hours"], dose["stretch"], list(zip(*m["G"])), levels=levels, cmap="RdBu", extend="both",
@@ -205,9 +257,12 @@ def main(arguments):
     runs = Runs(*arguments[:2], out)
     table, reports = comparisons(runs)
     constants = time_constants(runs, reports)
-    area_rows, area = areas(runs)
-    parts = {"comparisons": table, "time constants": constants, "tendon": tendon(runs), "dose": doses(runs), "areas": area_rows}
+    area_rows, predicted_areas, area = areas(runs)
+    tendon_rows, predicted = tendon(runs)
+    parts = {"comparisons": table + predicted + predicted_areas, "time constants": constants, "left open": left_open(runs),
+             "tendon": tendon_rows, "dose": doses(runs), "areas": area_rows}
     dose = runs.run("evidence", "dose", "--dose", 42)
+    parts["cycles"] = cycles(dose)
     pictures(out, reports, dose, area)
     files.write_text(out / "report.md", "\n\n".join(f"## {name}\n\n" + "\n".join(rows) for name, rows in parts.items()) + "\n")
     if len(arguments) == 5:

@@ -255,8 +255,16 @@ struct Covariance {
     if (exists) return;
     // Columns of length 1, so that units do not matter.
     Eigen::VectorXd length = J.colwise().norm().transpose();
-    for (double& l : length) l = l > 0 ? l : 1;
-    const Eigen::MatrixXd scaled = J * length.cwiseInverse().asDiagonal();
+    Eigen::MatrixXd scaled = J;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      // Between its bounds it changes nothing but rounding.
+      const study::Bounds& b = fitted[static_cast<std::size_t>(i)];
+      if (length[i] * (b.upper - b.lower) < 1e-9) {
+        length[i] = 1;
+        scaled.col(i).setZero();
+      }
+      scaled.col(i) /= length[i];
+    }
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
     Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
     s.head(svd.singularValues().size()) = svd.singularValues();
@@ -289,7 +297,7 @@ std::vector<Fit> profile_side(const Question& question, const Fit& best, const F
                               double end) {
   constexpr int n = 20;
   const double x0 = best.values[p];
-  const bool by_factors = end > 0 && (end > 4 * x0 || x0 > 4 * end);
+  const bool by_factors = end > 0 && x0 > 0 && (end > 4 * x0 || x0 > 4 * end);
   std::vector<Fit> side;
   Fit last = best;
   for (int i = 1; i <= n && last.chi2 - best.chi2 < 5 * chi2_95; ++i) {

@@ -8,6 +8,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import resource
 import signal
 import subprocess
@@ -380,6 +381,15 @@ class Fit(Job):
             r = self.report(self.file(f"set, tau, {tau}\nstep, 1.1\nmeasure, {day!r}, G, 1.05, 0.0001\n"))
             self.assertEqual(any("time steps are too long" in w for w in r["warnings"]), too_long, r["warnings"])
 
+    def test_an_estimate_at_zero_has_a_profile(self):
+        """No gamma is small enough for this growth: the estimate is its lower bound, 0."""
+        r = self.report(self.file("set, tau, 8\nset, G_max, 1.2\nfit, gamma, 0, 8\nstep, 1.2\nhold, 4\nmeasure, 4, G, 1.15, 0.01\n"))
+        p = r["parameters"][0]
+        self.assertAlmostEqual(p["estimate"], 0, delta=1e-9)
+        self.assertIsNone(p["lower"])
+        self.assertTrue(all(x is not None for x in p["profile_x"]))
+        self.assertLess(0, p["upper"])
+
     def test_says_that_the_history_is_shorter(self):
         for history, shorter in (("ramp, 1.1, 2", True), ("step, 1.1", False), ("step, 1.1\nhold, 3", False)):
             r = self.report(self.file(history + "\nmeasure, 3, G, 1.02, 1\n"))
@@ -432,7 +442,7 @@ class Published(Job):
             with self.subTest(path.name):
                 self.assertRegex(comments, r"[12][0-9]{3}|[Ss]ource")
                 self.assertRegex(comments, "Ours|Not used|Source and doubts")
-                if path.parent.name in ("muscle", "tendon", "cross_section", "not_used"):
+                if path.parent.name in ("muscle", "shape", "tendon", "cross_section", "not_used"):
                     self.assertRegex(comments, "Figures?:")
                     self.assertIn("Stimulus", comments)
 
@@ -469,6 +479,59 @@ class Evidence(Job):
         self.assertAlmostEqual(r["tau"] / tau, 1, delta=1e-3)
         self.assertAlmostEqual(r["overload"], overload, delta=1e-3)
 
+    def test_extensions_of_the_law(self):
+        """Laws with more parameters are no worse, growth only gives back what it made, and ./run fit computes the same."""
+        grown = exact_day(1.1, 1.2, 0.8, 1.6, 1.01)
+        base = self.file("set, G_max, 1.6\nset, tau_rev, 0.8\nset, gamma_rev, 0\nset, G_min, 0.4\nset, lambda_crit_rev, 1\nstep, 1.2\n"
+                         "hold, 5\n", "base.csv")
+        growing = self.file(f"step, 1.2\nhold, 5\nmeasure, {grown!r}, G, 1.1, 0.001\n", "growing.csv")
+        r = self.report("--extensions", base, growing)
+        self.assertAlmostEqual(r["laws"][0]["values"][0] / 0.8, 1, delta=2e-3)
+        casts = self.file("step, 0.9\ncycle, 1.2, 1, 1, 3\nhold, 2\nmeasure, 3, G, 1.02, 0.01\nmeasure, 5, G, 0.93, 0.01\n", "casts.csv")
+        r = self.report("--extensions", base, growing, casts)
+        laws = {law["name"]: law for law in r["laws"]}
+        within = (("growth and removal, one rate", "two rates"), ("growth and removal, one rate", "one rate, which saturates"),
+                  ("two rates", "two rates and lambda_crit_rev"), ("two rates", "two rates, which saturate"))
+        for small, large in within:
+            self.assertLess(laws[large]["chi2"], 1.02 * laws[small]["chi2"] + 1e-3, large)
+        two = dict(zip(laws["two rates"]["parameters"], laws["two rates"]["values"]))
+        self.program = "study_fit"
+        again = self.report(self.file(f"include, base.csv\nset, tau, {two['tau']}\nset, tau_rev, {two['tau_rev']}\nmeasure, 5, G, 1, 1\n",
+                                      "again.csv"), growing, casts)
+        for m, y in zip(again["measurements"][1:], laws["two rates"]["computed"], strict=True):
+            self.assertAlmostEqual(m["computed"], y, delta=2e-3)
+
+    def test_the_docs_have_the_laws_that_are_compared(self):
+        docs = (SOURCE / "docs" / "evidence.md").read_text(encoding="utf-8")
+        path = EXAMPLES / "identification" / "published" / "muscle" / "burkholder_1998.csv"
+        r = self.report("--extensions", EXAMPLES / "identification" / "dose.csv", path, "--set", "tau=0.5")
+        table = docs.split("<!-- dose: written")[1]
+        for law in r["laws"]:
+            name = law["name"].replace("tau as set", "τ = 0.5 d held").replace("lambda_crit_rev", "λ_crit_rev")
+            self.assertIn(f"| {name}", table)
+
+    def test_the_regions_stretches_are_those_of_the_muscle(self):
+        page = (SOURCE / "docs" / "muscle.md").read_text(encoding="utf-8")
+        day_42 = page.split("| 42 | flow | 120.6 |")[1].splitlines()
+        for row, name in ((day_42[1], "central"), (day_42[2], "distal")):
+            cells = [c.strip() for c in row.strip("|").split("|")]
+            self.assertEqual(cells[3], {"central": "middle", "distal": "distal"}[name])
+            text = (EXAMPLES / "identification" / "published" / "shape" / f"biceps_femoris_{name}.csv").read_text()
+            stretch = float(re.search(r"^ramp, ([0-9.]+), 63$", text, re.M).group(1))
+            self.assertAlmostEqual(stretch, float(cells[5]) * float(cells[8]), delta=1e-4)
+
+    def test_tables_are_put_between_their_marks(self):
+        sys.path.insert(0, str(EXAMPLES / "identification"))
+        import evidence
+        page = self.file("a\n<!-- x: written by ./run evidence --write -->\nold\n<!-- end of x -->\nb\n", "page.md")
+        evidence.write(page, {"x": ["| new |"]})
+        self.assertEqual(page.read_text(), "a\n<!-- x: written by ./run evidence --write -->\n\n| new |\n\n<!-- end of x -->\nb\n")
+        with self.assertRaisesRegex(Exception, "expected one pair of the marks of 'y'"):
+            evidence.write(page, {"y": []})
+        docs = (SOURCE / "docs" / "evidence.md").read_text(encoding="utf-8")
+        for name in ("comparisons", "time constants", "left open", "tendon", "cycles", "dose", "areas"):
+            self.assertEqual(docs.count(f"<!-- {name}: written by ./run evidence --write -->"), 1)
+
     def test_tendon_that_is_known(self):
         rows = ("set, G_max, 1.6\nset, lambda_crit, 1.05\nset, tau_rev, 1\nset, gamma_rev, 0\nset, G_min, 0.5\n"
                 "set, lambda_crit_rev, 1.05\nset, tau, 1\ntendon, 1, 1e5, 1\nstep, 1.3\nhold, 20\n")
@@ -479,7 +542,7 @@ class Evidence(Job):
         self.assertAlmostEqual(everything["computed"][1], 1.1, delta=1e-4)
 
     def test_errors(self):
-        self.assertIn("expected one of FILE.csv, --dose and --area", self.run_it(status=2))
+        self.assertIn("expected one of FILE.csv, --dose, --area and --extensions", self.run_it(status=2))
         self.assertIn("expected a row 'tendon'", self.run_it(self.file("step, 1.1\n"), status=2))
         self.assertIn("study.csv:1:1: expected the keyword 'area'", self.run_it("--area", self.file("aera, 0, 1, 1\n"), status=2))
         self.assertIn("study.csv:1:7: expected day 0 first", self.run_it("--area", self.file("area, 3, 1, 1\n"), status=2))
@@ -513,6 +576,23 @@ class Protocol(Job):
         for p in found:
             self.assertAlmostEqual(p["final_stretch"], 1.14, delta=1e-9)
             self.assertIn(f"| {p['title']} | {p['end_of_lengthening']:.2f} | {p['peak_lambda_e']:.4f} |", docs)
+
+    def test_distraction_with_an_aponeurosis(self):
+        """A tendon row: fibres and tendon share the lengthening, a tendon that creeps gives way, one that is rigid does not."""
+        history = "rest_length, 50\ndistract, 1, 20\nhold, 10\n"
+        found = {}
+        for name, row in (("none", ""), ("rigid", "tendon, 0.5, 1e9, 0\n"), ("elastic", "tendon, 0.5, 5, 0\n"),
+                          ("creeps", "tendon, 0.5, 5, 2\n")):
+            found[name] = self.report(self.file(row + history))["protocols"][0]
+            run = found[name]["run"]
+            for stretch, tendon, day in list(zip(run["stretch"], run["tendon"], run["time"]))[1::50]:
+                total = stretch + (0.5 if row else 0) * (tendon - 1)
+                self.assertAlmostEqual(total, 1 + min(day, 20) / 50, delta=2e-8)
+        self.assertAlmostEqual(found["rigid"]["final_G"], found["none"]["final_G"], delta=1e-7)
+        self.assertLess(found["elastic"]["peak_force"], found["rigid"]["peak_force"])
+        self.assertLess(found["creeps"]["final_lambda_e"], found["elastic"]["final_lambda_e"] - 1e-3)
+        self.assertGreater(found["creeps"]["final_tendon"], 1.02)
+        self.assertAlmostEqual(found["creeps"]["final_tendon"], found["creeps"]["run"]["tendon"][-1], delta=1e-12)
 
     def test_distraction(self):
         path = self.file("rest_length, 50\ndistract, 2, 5\nhold, 5\ndistract, -1, 4\n")
