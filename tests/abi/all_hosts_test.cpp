@@ -8,6 +8,7 @@
 #include <myogrowth/material.hpp>
 
 #include "../support/ccx_host.hpp"
+#include "../support/larger.hpp"
 #include "../support/samples.hpp"
 #include "../support/umat_host.hpp"
 
@@ -100,7 +101,7 @@ class Hosts : public testing::Test {
 
   void compare(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double scale = 0) {
     const double size = (a - b).norm() / std::max(b.norm(), scale);
-    worst = std::max(worst, std::isnan(size) ? 1 : size);
+    worst = larger(worst, std::isnan(size) ? 1 : size);
   }
 };
 

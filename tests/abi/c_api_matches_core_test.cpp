@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/larger.hpp"
 #include "../support/samples.hpp"
 
 using namespace myogrowth;
@@ -154,7 +155,7 @@ TEST(CApi, ManyPointsAreTheSinglePointToRoundingWhateverTheirOrder) {
       const auto difference = [](const double* a, const std::vector<double>& b) {
         double most = 0, size = 0;
         for (std::size_t k = 0; k < b.size(); ++k) {
-          most = std::max(most, std::abs(a[k] - b[k])), size = std::max(size, std::abs(b[k]));
+          most = larger(most, std::abs(a[k] - b[k])), size = std::max(size, std::abs(b[k]));
         }
         return most / size;
       };

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/larger.hpp"
 #include "../support/samples.hpp"
 
 namespace {
@@ -205,7 +206,7 @@ double difference(const Numbers& a, const Numbers& b) {
   double most = 0, size = 0;
   EXPECT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    most = std::max(most, std::abs(a[i] - b[i]));
+    most = larger(most, std::abs(a[i] - b[i]));
     size = std::max(size, std::abs(b[i]));
   }
   return std::isnan(most) ? most : most / size;
@@ -414,7 +415,7 @@ TEST(Mgis, EveryOperatorIsTheDerivativeOfTheStep) {
             }
           }
         }
-        worst[tangent] = std::max(worst[tangent], difference(wanted, found));
+        worst[tangent] = larger(worst[tangent], difference(wanted, found));
       }
     }
   }

@@ -1,6 +1,7 @@
 // The element of examples/dealii by itself: its stiffness against differences of its residual, and its
 // residual against the library's update at every point.
 #include "../../examples/dealii/element.hpp"
+#include "../support/larger.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -85,7 +86,7 @@ TEST_P(Tangents, AreTheDerivativesOfTheResidual) {
         const double k = K[row * static_cast<std::size_t>(s.dofs) + static_cast<std::size_t>(j)];
         const double transposed = K[static_cast<std::size_t>((c * s.dofs + j) * s.dofs + i)];
         largest = std::max(largest, std::abs(k));
-        worst = std::max(worst, std::abs(k - (plus[row] - minus[row]) / (2 * h)));
+        worst = larger(worst, std::abs(k - (plus[row] - minus[row]) / (2 * h)));
         unsymmetric = std::max(unsymmetric, std::abs(k - transposed));
       }
     }

@@ -6,6 +6,7 @@
 #include <myogrowth/many/laws.hpp>
 #include <vector>
 
+#include "../support/larger.hpp"
 #include "../support/samples.hpp"
 
 using namespace myogrowth;
@@ -48,7 +49,7 @@ FibreGrowthOf<Law> muscle_of(const Law& law, samples::Random& r) {
 double difference(const double* a, const double* b, int n) {
   double most = 0, size = 0;
   for (int i = 0; i < n; ++i)
-    most = std::max(most, std::abs(a[i] - b[i])), size = std::max(size, std::abs(b[i]));
+    most = larger(most, std::abs(a[i] - b[i])), size = std::max(size, std::abs(b[i]));
   return std::isnan(most) ? 1 : most / size;
 }
 
@@ -98,8 +99,8 @@ double compare(const FibreGrowthOf<Law>& m, Points p) {
     double stiffness = 0;  // stresses are differences of numbers of this size
     for (int k = 0; k < n_moduli; ++k) stiffness = std::max(stiffness, std::abs(expected[k]));
     for (int k = 0; k < n_stress; ++k)
-      worst = std::max(worst, std::abs(sigma[k] - expected_stress[k]) / stiffness);
-    worst = std::max(worst, difference(given, expected, n_moduli));
+      worst = larger(worst, std::abs(sigma[k] - expected_stress[k]) / stiffness);
+    worst = larger(worst, difference(given, expected, n_moduli));
     const double numbers[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
     for (int k = 0; k < 4; ++k) EXPECT_NEAR(found[k], numbers[k], 1e-14 * numbers[k]);
     EXPECT_NEAR(found[4], u.psi, 1e-13 * (std::abs(u.psi) + 1e-3));

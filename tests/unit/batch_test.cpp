@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "../support/larger.hpp"
 #include "../support/samples.hpp"
 
 using namespace myogrowth;
@@ -308,15 +309,15 @@ TYPED_TEST(Batch, AgreesWithTheUpdateOfEveryPoint) {
         const double G = std::abs(x.G / e.result.G - 1) / eps;
         const double stress = distance(x.stress, e.result.stress, 9), size = norm(e.result.stress, 9);
         const double tangent = distance(x.tangent, e.result.tangent, 81);
-        worst_G = std::max(worst_G, G);
-        worst_stress = std::max(worst_stress, stress / (size + e.stress_size));
+        worst_G = larger(worst_G, G);
+        worst_stress = larger(worst_stress, stress / (size + e.stress_size));
         if (e.lost == 1 && size > 0.1 * e.stress_size)
-          worst_own_stress = std::max(worst_own_stress, stress / size);
-        worst_tangent = std::max(worst_tangent, tangent / e.tangent_size);
+          worst_own_stress = larger(worst_own_stress, stress / size);
+        worst_tangent = larger(worst_tangent, tangent / e.tangent_size);
         for (int c = 0; c < 5; ++c) {
           const double scale = c < 4 ? std::abs(e.result.scalars[c]) : e.u.point.c1 + e.u.point.c2;
           const double error = std::abs(x.scalars[c] - e.result.scalars[c]) / (scale + 1e-300);
-          worst_scalar = std::max(worst_scalar, error);
+          worst_scalar = larger(worst_scalar, error);
         }
         ASSERT_LE(G, 4) << gamma << " " << sample << " " << i;
         // Stresses near zero are differences of numbers of the stiffness's size.
@@ -514,9 +515,9 @@ TYPED_TEST(BatchFloat, AgreesWithDouble) {
         Result<double> x{};
         std::copy(results[i].stress, results[i].stress + 9, x.stress);
         std::copy(results[i].tangent, results[i].tangent + 81, x.tangent);
-        worst_G = std::max(worst_G, std::abs(static_cast<double>(results[i].G) / e.result.G - 1));
-        worst_stress = std::max(worst_stress, distance(x.stress, e.result.stress, 9) / e.stress_size);
-        worst_tangent = std::max(worst_tangent, distance(x.tangent, e.result.tangent, 81) / e.tangent_size);
+        worst_G = larger(worst_G, std::abs(static_cast<double>(results[i].G) / e.result.G - 1));
+        worst_stress = larger(worst_stress, distance(x.stress, e.result.stress, 9) / e.stress_size);
+        worst_tangent = larger(worst_tangent, distance(x.tangent, e.result.tangent, 81) / e.tangent_size);
       }
     }
   }

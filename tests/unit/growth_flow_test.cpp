@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <myogrowth/growth_flow.hpp>
 
+#include "../support/larger.hpp"
 #include "../support/samples.hpp"
 
 using namespace myogrowth;
@@ -51,7 +52,7 @@ TEST(GrowthFlow, IsTheFlow) {
     // With gamma < 1 it gets to the end in a finite time, near which Runge-Kutta loses its order.
     if (up.G_max - s.G < 1e-2 || s.G - down.G_min < 1e-2) continue;
     ++compared;
-    worst = std::max(worst, std::abs(static_cast<double>(s.G - runge_kutta(up, down, G, lambda, dt))));
+    worst = larger(worst, std::abs(static_cast<double>(s.G - runge_kutta(up, down, G, lambda, dt))));
   }
   EXPECT_LE(worst, 1e-13);
   EXPECT_GT(compared, 60);

@@ -2,6 +2,7 @@
 #include <myogrowth/growth_step.hpp>
 
 #include "../support/dual.hpp"
+#include "../support/larger.hpp"
 #include "../support/reference.hpp"
 
 using namespace myogrowth;
@@ -78,9 +79,9 @@ TEST(GrowthSolve, HardStepsAgainstFiftyDigits) {
     const Real h("1e-22"), exact = reference::grow(rate, G_n, lambda, dt);
     const Real slope =
         (reference::grow(rate, G_n, lambda + h, dt) - reference::grow(rate, G_n, lambda - h, dt)) / (2 * h);
-    worst_G = std::max(worst_G, std::abs(static_cast<double>(s.G / exact - 1)));
+    worst_G = larger(worst_G, std::abs(static_cast<double>(s.G / exact - 1)));
     if (dt <= 0.5e4 && (rate.gamma == 0 || rate.gamma >= 0.5)) {
-      worst_slope = std::max(worst_slope, std::abs(static_cast<double>(s.dG_dlambda - slope)));
+      worst_slope = larger(worst_slope, std::abs(static_cast<double>(s.dG_dlambda - slope)));
     }
   }
   EXPECT_LE(worst_G, 2e-15);
@@ -114,9 +115,9 @@ TEST(GrowthSolve, HardRemovalAgainstFiftyDigits) {
                         reference::shrink(growth, rate, G_n, lambda - h, dt)) /
                        (2 * h);
     removed += s.G < G_n;
-    worst_G = std::max(worst_G, std::abs(static_cast<double>(s.G / exact - 1)));
+    worst_G = larger(worst_G, std::abs(static_cast<double>(s.G / exact - 1)));
     if (dt <= 0.5e4 && (rate.gamma_rev == 0 || rate.gamma_rev >= 0.5)) {
-      worst_slope = std::max(worst_slope, std::abs(static_cast<double>(s.dG_dlambda - slope)));
+      worst_slope = larger(worst_slope, std::abs(static_cast<double>(s.dG_dlambda - slope)));
     }
   }
   EXPECT_GT(removed, 900);

@@ -4,6 +4,7 @@
 #include <myogrowth/more/stress_states.hpp>
 
 #include "../support/dual.hpp"
+#include "../support/larger.hpp"
 #include "../support/reference.hpp"
 
 using namespace myogrowth;
@@ -61,7 +62,7 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
         plane_stress(m.muscle, m.F.data(), m.state.n0.data(), m.state.G, 1.0, m.dt, thickness, u, c.data()),
         UpdateStatus::ok);
     EXPECT_EQ(u.G > m.state.G, kind == Kind::growing);
-    worst_stress = std::max(worst_stress, std::abs(u.tau[2]) / (m.muscle.c1 + m.muscle.c2));
+    worst_stress = larger(worst_stress, std::abs(u.tau[2]) / (m.muscle.c1 + m.muscle.c2));
 
     // The result is the solid's update at that thickness, to the last bit.
     Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
@@ -94,8 +95,8 @@ TEST_P(PlaneStress, FreesTheThicknessAndCondensesTheTangent) {
                 UpdateStatus::ok);
       by_complex_step.col(col) << v.tau[0].imag() / h, v.tau[1].imag() / h, v.tau[3].imag() / h;
     }
-    worst_tangent = std::max(worst_tangent, (c - by_complex_step).norm() / c.norm());
-    largest_unsymmetry = std::max(largest_unsymmetry, (c - c.transpose()).norm() / c.norm());
+    worst_tangent = larger(worst_tangent, (c - by_complex_step).norm() / c.norm());
+    largest_unsymmetry = larger(largest_unsymmetry, (c - c.transpose()).norm() / c.norm());
   }
   EXPECT_LE(worst_stress, 1e-12);
   EXPECT_LE(worst_tangent, 1e-11);

@@ -6,6 +6,8 @@
 #include <functional>
 #include <myogrowth/material.hpp>
 
+#include "../support/larger.hpp"
+
 using namespace myogrowth;
 
 namespace {
@@ -85,7 +87,7 @@ TEST(History, HeldStretchReferenceValues) {
     const double ab = 2 * b - a, bc = 2 * c - b;
     EXPECT_NEAR((4 * bc - ab) / 3, exact_held(paper, 1.1, t), 1e-8);
     EXPECT_NEAR((4 * bc - ab) / 3, G[i], 1e-6);
-    worst = std::max(worst, std::abs((4 * bc - ab) / 3 - exact_held(paper, 1.1, t)));
+    worst = larger(worst, std::abs((4 * bc - ab) / 3 - exact_held(paper, 1.1, t)));
   }
   std::printf("extrapolated G off by %.1e at most\n", worst);
 }
@@ -105,7 +107,7 @@ TEST(History, RampThenHoldReferenceValues) {
 /// The smallest and largest order of convergence in a test, for its report.
 struct Orders {
   double least = 10, most = 0;
-  void add(double order) { least = std::min(least, order), most = std::max(most, order); }
+  void add(double order) { least = std::min(least, order), most = larger(most, order); }
   ~Orders() { std::printf("orders %.3f to %.3f\n", least, most); }
 };
 
