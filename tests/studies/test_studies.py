@@ -593,6 +593,10 @@ class Protocol(Job):
         self.assertLess(found["creeps"]["final_lambda_e"], found["elastic"]["final_lambda_e"] - 1e-3)
         self.assertGreater(found["creeps"]["final_tendon"], 1.02)
         self.assertAlmostEqual(found["creeps"]["final_tendon"], found["creeps"]["run"]["tendon"][-1], delta=1e-12)
+        docs = (SOURCE / "docs" / "evidence.md").read_text(encoding="utf-8")
+        without, with_one = self.report(*(EXAMPLES / "protocols" / f"{name}.csv" for name in ("continuous", "aponeurosis")))["protocols"]
+        self.assertIn(f"G = {with_one['final_G']:.4f} in place of {without['final_G']:.4f}", docs)
+        self.assertAlmostEqual(with_one["final_tendon"], 1.10, delta=5e-3)
 
     def test_distraction(self):
         path = self.file("rest_length, 50\ndistract, 2, 5\nhold, 5\ndistract, -1, 4\n")
