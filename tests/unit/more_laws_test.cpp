@@ -83,6 +83,23 @@ TEST(SensedStretch, OneRootInTheBracketForAnyStep) {
   EXPECT_LE(most, 164);
 }
 
+TEST(SensedStretch, BracketsAsWideAsNumbersReach) {
+  for (double G_max : {1e3, 1e60, 1e300}) {
+    for (double dt : {1e-3, 1e3, 1e100, 1e300}) {
+      const SensedStretch<> law{{0.5, 2, G_max, 1.01}, {}, 0.1, 0.5, 0};
+      const double lambda = 1e150;
+      const auto step = solve_growth(law, SensedState<>{1, 1}, lambda, dt);
+      const double G = step.state.G;
+      ASSERT_TRUE(1 <= G && G <= G_max) << G_max << " " << dt;
+      ASSERT_TRUE(std::isfinite(step.dG_dlambda)) << G_max << " " << dt;
+      EXPECT_LE(residual(law, {1, 1}, G * (1 - 1e-14L), lambda, dt), 0) << G_max << " " << dt;
+      if (G < G_max) {
+        EXPECT_GE(residual(law, {1, 1}, G * (1 + 1e-14L), lambda, dt), 0) << G_max << " " << dt;
+      }
+    }
+  }
+}
+
 TEST(SensedStretch, TheTangentIsThatOfTheStep) {
   samples::Random r(33);
   const double h = 1e-6;

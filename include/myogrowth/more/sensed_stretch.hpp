@@ -98,7 +98,7 @@ MYOGROWTH_FUNCTION SensedStep<T> solve_growth(const SensedStretch<P>& law, const
     P low = first > P(0) ? G_n : maximum(far, limit), high = first > P(0) ? minimum(far, limit) : G_n;
     P g = G_n, step = high - low;
     const P rounding = 2 * last_place<P>();
-    while (iterations < 200 && abs(step) > rounding * g && high - low > rounding * g) {
+    while (abs(step) > rounding * g && high - low > rounding * g) {  // it ends: by halving from 100 on
       ++iterations;
       const detail::SensedRate<P> at = detail::sensed_rate(law, start, g, stretch, dt);
       const P R = g - G_n - dt * at.rate;
