@@ -5,8 +5,8 @@ ranks=2 mesh="" prm="" given="" arguments=()
 
 mpi_arguments() {
   if [ "$job" = mpi-bench ]; then
-    [[ $# -eq 0 || ($# -eq 1 && "$1" =~ ^PART=(loops|krylov|ranks|weak|muscle)(,(loops|krylov|ranks|weak|muscle))*$) ]] ||
-      usage "expected PART= and some of loops,krylov,ranks,weak,muscle, found '$*'"
+    [[ $# -eq 0 || ($# -eq 1 && "$1" =~ ^PART=(loops|krylov|ranks|weak|muscle|answer)(,(loops|krylov|ranks|weak|muscle|answer))*$) ]] ||
+      usage "expected PART= and some of loops,krylov,ranks,weak,muscle,answer, found '$*'"
   fi
   while [ $# -gt 0 ]; do
     case "$1" in
