@@ -147,7 +147,7 @@ class Help(Run):
             self.refuses(f"{option} is given twice", "mpi", option, "2", option, "2")
         self.refuses("no option 'x'", "mpi", "x")
         for arguments in (["--ranks", "2"], ["PART=all"], ["PART=loops", "PART=weak"]):
-            self.refuses("expected PART= and some of loops,krylov,ranks,weak,muscle, found '" + " ".join(arguments), "mpi-bench", *arguments)
+            self.refuses("expected PART= and some of loops,krylov,ranks,weak,muscle,answer, found '" + " ".join(arguments), "mpi-bench", *arguments)
         self.refuses("no option '--fast' \\(--update\\)", "instructions", "--fast")
         self.refuses("--ranks 0: must be", "mpi", "--ranks", "0")
         self.assertEqual(self.logged(), [])
