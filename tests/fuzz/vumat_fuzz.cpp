@@ -34,7 +34,8 @@ struct Block {
   std::size_t size = 1;
   int ndir = 3, nshr = 3;
   double step_time = 1, total_time = 1, dt = 0.1;
-  Numbers props, density, strain_inc, stretch_old, stress_old, state_old, intern_old, inelas_old, stretch;
+  Numbers props, density, strain_inc, stretch_old, stress_old, state_old, intern_old, inelas_old, stretch,
+      field;
   Numbers stress, state, intern, inelas;
 
   std::size_t components() const { return static_cast<std::size_t>(std::max(0, ndir + nshr)); }
@@ -42,17 +43,17 @@ struct Block {
 
   void run() {
     const int n = static_cast<int>(size), nstatev = static_cast<int>(state_old.size() / size);
-    const int nprops = static_cast<int>(props.size());
+    const int nprops = static_cast<int>(props.size()), n_fields = 1;
     stress.assign(components() * size, untouched);
     state.assign(state_old.size(), untouched);
     intern.assign(size, untouched);
     inelas.assign(size, untouched);
     message.clear();
     messages = exits = 0;
-    vumat_(&n, &ndir, &nshr, &nstatev, nullptr, &nprops, nullptr, &step_time, &total_time, &dt, nullptr,
+    vumat_(&n, &ndir, &nshr, &nstatev, &n_fields, &nprops, nullptr, &step_time, &total_time, &dt, nullptr,
            nullptr, nullptr, props.data(), density.data(), strain_inc.data(), nullptr, nullptr,
            stretch_old.data(), nullptr, nullptr, stress_old.data(), state_old.data(), intern_old.data(),
-           inelas_old.data(), nullptr, stretch.data(), nullptr, nullptr, stress.data(), state.data(),
+           inelas_old.data(), nullptr, stretch.data(), nullptr, field.data(), stress.data(), state.data(),
            intern.data(), inelas.data());
   }
 
@@ -67,7 +68,7 @@ struct Block {
     one.size = 1;
     for (Numbers Block::*array :
          {&Block::density, &Block::strain_inc, &Block::stretch_old, &Block::stress_old, &Block::state_old,
-          &Block::intern_old, &Block::inelas_old, &Block::stretch})
+          &Block::intern_old, &Block::inelas_old, &Block::stretch, &Block::field})
       one.*array = at(this->*array, k);
     return one;
   }
@@ -97,12 +98,20 @@ void require(bool holds, const char* what, const Block& b) {
   std::abort();
 }
 
+bool reads_field(const Block& b) { return b.props.size() > 19 && b.props[18] != 0 && b.props[19] == -1; }
 /// What is wrong for all points at once.
 bool is_faulty(const Block& b) {
+  if (reads_field(b)) {
+    Block number = b;
+    number.props[19] = 0.5;
+    return is_faulty(number);
+  }
   return b.ndir != 3 || b.nshr != 3 || rules::has_no_room(b.props, b.state_old.size() / b.size) ||
          rules::props_are_faulty_with_laws(b.props);
 }
 bool has_faulty_state(const Block& point) {
+  const double a = point.field[0];
+  if (reads_field(point) && !(a >= -1e-9 && a <= 1 + 1e-9)) return true;
   return rules::state_is_faulty(point.props, point.state_old) ||
          rules::has_no_fibre(point.props, point.state_old);
 }
@@ -131,8 +140,9 @@ void check_data_check(const Block& b) {
   require(rules::same_bits(b.state, b.state_old) && rules::same_bits(b.intern, b.intern_old),
           "the data check touched the state", b);
   const bool has_law = b.props.size() > 18 && b.props[18] != 0;  // another one's moduli: vumat_test.cpp
-  if (has_law || rules::largest(b.strain_inc) > 1e3 || rules::largest(b.stress_old) > 1e3 || b.props[0] > 1e3 ||
-      b.props[1] > 1e3 || !rules::all_finite(b.strain_inc) || !rules::all_finite(b.stress_old))
+  if (has_law || rules::largest(b.strain_inc) > 1e3 || rules::largest(b.stress_old) > 1e3 ||
+      b.props[0] > 1e3 || b.props[1] > 1e3 || !rules::all_finite(b.strain_inc) ||
+      !rules::all_finite(b.stress_old))
     return;
   for (std::size_t i = 0; i < 6; ++i) {
     const double volume = i < 3 ? b.strain_inc[0] + b.strain_inc[1] + b.strain_inc[2] : 0;
@@ -176,6 +186,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (kind % 8 == 1) b.step_time = bytes.number(), b.total_time = bytes.number();
   b.dt = kind & 8 ? bytes.number() : std::exp2(10 * bytes.mild());
   b.props = bytes.props();
+  if (b.props.size() > 19 && shape & 1) b.props[19] = -1;
 
   // A point at a time, for the sake of the mutations; the arrays have them one beside the other.
   const std::size_t n = b.size, six = b.components();
@@ -194,6 +205,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     put(b.density, k, {point & 4 ? bytes.number() : 1});
     put(b.intern_old, k, {point & 8 ? bytes.number() : 3});
     put(b.inelas_old, k, {point & 8 ? bytes.number() : 4});
+    put(b.field, k, {point & 16 ? bytes.number() : 0.5});
     put(b.strain_inc, k, b.is_data_check() ? bytes.numbers(six) : Numbers(six, NAN));
     put(b.stress_old, k, b.is_data_check() ? bytes.numbers(six) : Numbers(six, NAN));
   }
