@@ -215,7 +215,12 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, La
   const LaneMask<T> none = one < zero, beyond = moves & !((zero <= series) & (series < whole * T(V(0.9))));
   FlowProgress<T> p{flow.u_n, flow.a, zero, select(beyond, whole, series), none, none};
   int iterations = 0;
-  if (any(beyond)) p = pass_panels(flow, panel, p, beyond, most_panels, iterations);
+  if (any(beyond)) {
+    p = pass_panels(flow, panel, p, beyond, most_panels, iterations);
+    // Where there is nothing more to find, what follows must not leave the way, nor its range.
+    p.u = select(p.ended, flow.u_n, p.u);
+    p.y = select(p.ended | p.left, zero, p.y);
+  }
   LaneMask<T> active = moves & !p.ended & !p.left;
 
   // Then by an integral with few points: what it leaves is so little that Newton's method mostly takes one
@@ -244,9 +249,11 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, La
   go_on(flow, panel, p, iterations, std::is_same<T, V>());
 
   const T y = select(p.left | p.ended, zero, p.y);
-  const auto last = flow.at(p.u - y);
+  const T u = p.u - y;
+  const auto last = flow.at(u);
   const T speed = last.speed(), q_n = flow.q_end + crit * flow.u_n;
-  const T G = b.on(G_n, T((flow.u_n - p.u) + y));
+  // From the nearer end of the way, which leaves more digits.
+  const T G = select(u + u < flow.u_n, b.on(flow.end, T(-u)), b.on(G_n, T((flow.u_n - p.u) + y)));
   const T crossed = select(flow.q_end > zero, zero, T(one / crit));  // dG/dlambda at the end
   return {select(p.ended, flow.end, select(moves, b.last(b.first(G, flow.end), G_n), G_n)),
           select(p.ended, crossed, select(moves, T(speed * p.sensitivity), zero)),

@@ -118,8 +118,8 @@ double stress_with_free_sides(Props props, double stretch) {
   return c.stress[0];
 }
 
-// The values of 4C's own regression tests of law 3 (MAT_Muscle_Combo): passive, the fibre compressed to a half; and
-// active, free on all sides.
+// The values of 4C's own regression tests of law 3 (MAT_Muscle_Combo): passive, the fibre compressed to a
+// half; and active, free on all sides.
 TEST(ElasticLaws, PassiveCubeOf4C) {
   Props props = props_of(3, 0);
   for (const double x : {15.0, 1.0, 5.0, 100.0, 0.8}) props.push_back(x);

@@ -141,7 +141,8 @@ struct CompactRoehrleTangent {
   T m[3];                          ///< direction of the deformed fibre [-]
   T b[6];                          ///< elastic left Cauchy-Green tensor [-]
   T k[6];                          ///< k [stress]
-  T kappa, c01;                    ///< of the law; G times for EnergyPer::grown_volume [stress]
+  T kappa;                         ///< of the law; G times for EnergyPer::grown_volume [stress]
+  T c01;                           ///< likewise [stress]
   T shift;                         ///< A - tau, of its diagonal [stress]
   T J;                             ///< volume ratio [-]
 
