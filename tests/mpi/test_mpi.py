@@ -41,18 +41,19 @@ class Case(unittest.TestCase):
         cylinder_mesh.write_text(path, cylinder_mesh.mesh(size))
         return {"Geometry/Kind": "file", "Geometry/File": path, "Output/Times": ""}
 
-    def command(self, ranks, name, entries):
+    def command(self, ranks, name, entries, prm=None):
         entries = {"Output/Folder": self.folder / name, **entries}
         mpirun = ["mpirun", "-q", "-n", str(ranks)] if ranks > 1 else []  # one rank starts faster without
-        return [*mpirun, str(MUSCLE), *(f"{entry}={value}" for entry, value in entries.items())]
+        files = [str(prm)] if prm else []
+        return [*mpirun, str(MUSCLE), *files, *(f"{entry}={value}" for entry, value in entries.items())]
 
-    def start(self, ranks, name, entries):
-        return subprocess.Popen(self.command(ranks, name, entries), env=ENVIRONMENT, stdout=subprocess.PIPE,
+    def start(self, ranks, name, entries, prm=None):
+        return subprocess.Popen(self.command(ranks, name, entries, prm), env=ENVIRONMENT, stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT, text=True)
 
-    def run_muscle(self, ranks, name, entries, status=0):
+    def run_muscle(self, ranks, name, entries, status=0, prm=None):
         """What it prints; its files are in the folder `name`."""
-        process = self.start(ranks, name, entries)
+        process = self.start(ranks, name, entries, prm)
         text, _ = process.communicate(timeout=280)
         self.assertEqual(process.returncode, status, text)
         return text

@@ -6,6 +6,7 @@ import collections
 import csv
 import json
 import math
+import subprocess
 import sys
 import unittest
 
@@ -14,6 +15,7 @@ import numpy as np
 import test_mpi
 from test_mpi import SHARP, Case, brick, material_point
 
+REAL = test_mpi.SOURCE.parent / "shared/data/bflh_female_left.inp"
 KINDS = ("hex8", "wedge6", "tet4", "tet10")
 # Corners of a hexahedron by kind; a tetrahedron for each way along three edges from corner 0 to corner 6.
 PARTS = {"hex8": [range(8)], "wedge6": [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)],
@@ -407,6 +409,34 @@ class Sections(MeshCase):
                                    ("BELLY muscle tau=1 tau=2; CORD tendon", "tau is said twice"),
                                    ("BELLY muscle; CORD tendon tau=1", "expected c1 or c2 as NAME=VALUE, found 'tau=1'")):
             self.assertRegex(self.run_muscle(1, "a", {**self.box(), **self.ENTRIES, "Materials/List": materials}, status=1), message)
+
+
+class Real(MeshCase):
+    # An estimate of another program, CalculiX with fibres constant in an element (design/muscle.md): force [mN], and of the
+    # thirds the elastic stretch's 50 and 99 % and the median of G.
+    ESTIMATE = {1: (404.69, {"proximal": (1.0493, 1.2800, 1.0271), "middle": (1.0319, 1.0469, 1.0152), "distal": (1.0432, 1.1752, 1.0231)}),
+                42: (125.36, {"proximal": (1.0152, 1.0835, 1.0887), "middle": (1.0100, 1.0168, 1.0674),
+                              "distal": (1.0140, 1.0534, 1.0862)})}
+
+    def test_six_weeks_of_a_biceps_femoris(self):
+        if not REAL.is_file():
+            self.skipTest(f"there is no {REAL}")
+        subprocess.run([sys.executable, test_mpi.SOURCE / "examples/muscle/mesh.py", REAL, "--unit", "mm", "-o", self.folder / "mesh"],
+                       check=True, capture_output=True)
+        self.run_muscle(2, "a", {"Mesh/File": self.folder / "mesh", "Output/Times": "1, 42", "Output/Fascicles": 0},
+                        prm=test_mpi.SOURCE / "examples/muscle/muscle.prm")
+        rows = {(float(r["time"]), r["region"]): r for r in self.table("a", "regions.csv")}
+        force = dict(zip(self.columns("a")["time"], self.columns("a")["reaction"]))
+        for day, (reaction, thirds) in self.ESTIMATE.items():
+            self.assertLess(abs(force[day] / reaction - 1), 0.05)
+            for third, (median, most, G) in thirds.items():
+                row = rows[day, third]
+                self.assertLess(abs(float(row["lambda_e_p50"]) - median), 1e-3)
+                self.assertLess(abs(float(row["lambda_e_p99"]) - most), 4e-3)
+                self.assertLess(abs(float(row["G_p50"]) - G), 3e-3)
+        for day in self.ESTIMATE:  # the tapering ends are stretched more than the belly, and grow more
+            for column in ("lambda_e_p50", "G_p50"):
+                self.assertGreater(min(float(rows[day, third][column]) for third in ("proximal", "distal")), float(rows[day, "middle"][column]))
 
 
 class Faults(MeshCase):
