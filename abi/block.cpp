@@ -161,8 +161,8 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
     };
     add(myogrowth_row_G_end, 6);
     add(myogrowth_row_stress, n_stress);
-    // With numbers that packs can take a tangent beyond all numbers needs a det F, which it is divided by,
-    // that is next to none.
+    // The tangent of numbers that packs can take overflows only where det F, by which it is divided, is close
+    // to zero.
     if (any(!(load(myogrowth_row_G_end + 3 * points) > P(1e-3)))) add(myogrowth_row_tangent, n_tangent);
     ((sum + other) * P(0.0)).store(row_of(b, myogrowth_row_check) + k);
   }
