@@ -21,12 +21,23 @@ namespace {
 
 using namespace myogrowth;
 
+// Elmer's axisymmetric elements have their shear in the 1-3 plane, for which NTENS = 4 has no component.
+bool find_order_fault(int ntens, const double* F, abi::Text& text) {
+  if (ntens != 4 || F[3] != 0 || F[1] != 0 || (F[6] == 0 && F[2] == 0)) return false;
+  return abi::tell(
+      text,
+      "DFGRD1(1,3) = %.9g, DFGRD1(3,1) = %.9g, and no shear in the 1-2 plane: with NTENS = 4 the "
+      "order must be r, z, theta, not r, theta, z as in Elmer's axisymmetric elements.",
+      F[6], F[2]);
+}
+
 // find_props: reads PROPS.
 template <class FindPropsFault>
-bool find_fault(int ntens, int ndi, int nshr, int nstatv, const double* statev, abi::Properties& properties,
-                abi::Start& start, abi::Text& text, const FindPropsFault& find_props_fault) {
-  return abi::find_family_fault(ntens, ndi, nshr, text) || find_props_fault() ||
-         (ntens == 3 && abi::find_hybrid_fault("plane stress", properties, text)) ||
+bool find_fault(int ntens, int ndi, int nshr, int nstatv, const double* statev, const double* dfgrd1,
+                abi::Properties& properties, abi::Start& start, abi::Text& text,
+                const FindPropsFault& find_props_fault) {
+  return abi::find_family_fault(ntens, ndi, nshr, text) || find_order_fault(ntens, dfgrd1, text) ||
+         find_props_fault() || (ntens == 3 && abi::find_hybrid_fault("plane stress", properties, text)) ||
          abi::find_room_fault("NSTATV", nstatv, text) ||
          abi::find_stretch_fault("NSTATV", nstatv, properties, text) ||
          abi::find_start(statev, nstatv, properties, start, text) != UpdateStatus::ok;
@@ -112,7 +123,8 @@ MYOGROWTH_NOINLINE bool update_with_law(Call c, abi::Text& text) {
     return abi::find_law_fault(c.props, *c.nprops, true, properties, choice, text) ||
            (choice.by_field && abi::find_field_fault(*c.predef + *c.dpred, choice, text));
   };
-  if (find_fault(*c.ntens, *c.ndi, *c.nshr, *c.nstatv, c.statev, properties, start, text, find_law_fault))
+  if (find_fault(*c.ntens, *c.ndi, *c.nshr, *c.nstatv, c.statev, c.dfgrd1, properties, start, text,
+                 find_law_fault))
     return false;
   // (Not with_material: a second copy of eq. 3's code would keep the first from being inlined.)
   abi::with_other_law(properties.material, choice, [&](auto& u, const auto& material, double activation) {
@@ -151,7 +163,7 @@ void MYOGROWTH_FORTRAN(umat, UMAT)(double* stress, double* statev, double* ddsdd
   abi::Start start;
   abi::Text text;
   const auto find_props_fault = [&] { return abi::find_props_fault(props, *nprops, properties, text); };
-  if (find_fault(*ntens, *ndi, *nshr, *nstatv, statev, properties, start, text, find_props_fault)) {
+  if (find_fault(*ntens, *ndi, *nshr, *nstatv, statev, dfgrd1, properties, start, text, find_props_fault)) {
     if (abi::asks_for_law(props, *nprops) && update_with_law(call(), text)) return;
     fail(call(), nullptr, text);
     abi::report("UMAT", text, MYOGROWTH_UTILITY(stdb_abqerr, STDB_ABQERR), MYOGROWTH_UTILITY(xit, XIT));

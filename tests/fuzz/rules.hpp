@@ -79,6 +79,11 @@ inline bool props_are_faulty_with_laws(const Numbers& p) {
   return law_is_faulty(p, NAN) || p[17] != 0;
 }
 
+/// A shear in the 1-3 plane and none in the 1-2 plane, F column by column: with NTENS = 4 not Abaqus's order.
+inline bool is_in_elmers_order(int ntens, const double* F) {
+  return ntens == 4 && F[1] == 0 && F[3] == 0 && !(F[2] == 0 && F[6] == 0);
+}
+
 /// Whether a state of n entries has room for what a step begins with.
 inline bool has_no_room(const Numbers& p, std::size_t n) { return n < (is_second_order(p) ? 3 : 1); }
 

@@ -44,6 +44,7 @@ bool is_faulty(const host::Call& c) {
   const bool solid = c.ntens == 6 && c.n_direct() == 3 && c.n_shear() == 3;
   const bool plane = c.n_shear() == 1 && (c.ntens == 4 || c.ntens == 3) && c.n_direct() == c.ntens - 1;
   if (!solid && !plane) return true;
+  if (rules::is_in_elmers_order(c.ntens, c.F.data())) return true;
   const double hybrid = c.props.size() > 17 ? c.props[17] : 0;
   if (hybrid != 0 && (hybrid != 1 || c.ntens == 3)) return true;
   const bool has_law = c.props.size() > 18 && c.props[18] != 0;

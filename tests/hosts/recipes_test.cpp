@@ -187,36 +187,118 @@ TEST(Moose, TheTransposedJacobianCostsIterationsAndNothingElse) {
 
 // ---- Elmer
 // ------------------------------------------------------------------------------------------------
-// ElasticSolve.F90: before the first increment one call with F = I, whose stress must stay; then Cauchy
-// stress and DDSDDE of NTENS = 6, or of 4 in two dimensions, where an axisymmetric F has the hoop direction
-// in 2 and the shears 13 and 31.
-TEST(Elmer, TheStressIsCauchysInThreeDimensions) {
-  host::Call c;
-  c.props = muscle;
-  c.stress.setZero();
-  c.run();
-  EXPECT_LT(c.stress.norm(), 1e-15);
-  auto exact = at_rest();
-  for (int step = 1; step <= 10; ++step) {
-    c.F = on_path(step);
-    c.run();
-    const auto u = myogrowth::update(myogrowth::FibreGrowth<>(), c.F, exact, c.dtime);
-    EXPECT_LT(difference(tensor(c.stress.data()), u.cauchy()), 1e-14);
-    exact = u.state;
-    EXPECT_EQ(c.statev[0], exact.G);
+// ElasticSolve.F90, LocalMatrixWithUMAT: NTENS is 6, or 4 in two dimensions; there an axisymmetric F is
+// r, theta, z, so its shears are 13 and 31, for which STRESS has no component; PNEWDT begins as 3 and is
+// kept; if asked for, one call with F = I comes first, and STRESS must not change in it; every iteration
+// begins with the state of the last step.
+struct Elmer {
+  int ntens;
+  Numbers props, state = Numbers(8, 0.0);
+  double pnewdt = 3;
+  host::Call last;
+
+  explicit Elmer(int ntens_, Numbers props_ = muscle) : ntens(ntens_), props(std::move(props_)) {
+    iterate(Matrix3d::Identity(), 0.1);
+    for (int i = 0; i < ntens; ++i) EXPECT_EQ(last.stress[i], 0);
+    end_step();
+  }
+  void iterate(const Matrix3d& F, double dtime) {
+    last = host::Call();
+    last.props = props;
+    last.statev = state;
+    last.ntens = ntens;
+    last.F = F;
+    last.dtime = dtime;
+    last.pnewdt = pnewdt;
+    last.stress.setZero();
+    last.run();
+    pnewdt = last.pnewdt;
+  }
+  void end_step() { state = last.statev; }
+};
+
+TEST(Elmer, SolidsAndPlaneStrain) {
+  for (const int ntens : {6, 4}) {
+    Elmer elmer(ntens);
+    auto exact = at_rest();
+    for (int step = 1; step <= 10; ++step) {
+      Matrix3d F = on_path(step);
+      if (ntens == 4) {
+        F = Matrix3d::Identity();
+        F.topLeftCorner<2, 2>() << 1 + 0.02 * step, 0.01 * step, -0.03 * step, 1 - 0.004 * step;
+      }
+      elmer.iterate(Matrix3d(F + 0.01 * Matrix3d::Identity()), 0.1);
+      elmer.iterate(F, 0.1);
+      elmer.end_step();
+      const auto u = myogrowth::update(myogrowth::FibreGrowth<>(), F, exact, 0.1);
+      exact = u.state;
+      EXPECT_EQ(elmer.state[0], exact.G);
+      const Matrix3d sigma = u.cauchy();
+      for (int a = 0; a < ntens; ++a)
+        EXPECT_NEAR(elmer.last.stress[a], sigma(row[a], column[a]), 1e-14 * sigma.norm());
+    }
+    EXPECT_GT(exact.G, 1.005);
+    EXPECT_EQ(elmer.pnewdt, 3);
   }
 }
 
-TEST(Elmer, AxisymmetricProblemsAreReadWrongly) {
-  const double along = 1.1, hoop = 0.96;
-  host::Call abaqus, elmer;
-  abaqus.ntens = elmer.ntens = 4;
-  abaqus.props = elmer.props = {16, 4, 0.5, 2, 1.1, 1.01, 0, 1, 0};  // the fibre along the axis, Abaqus's 2
-  abaqus.F = Eigen::Vector3d(hoop, along, hoop).asDiagonal();        // r, z, hoop
-  elmer.F = Eigen::Vector3d(hoop, hoop, along).asDiagonal();         // r, hoop, z
-  abaqus.run(), elmer.run();
+TEST(Elmer, AxisymmetricShearIsRefused) {
+  const double hoop = 0.96, along = 1.1, shear = 0.05;
+  for (const bool has_law : {false, true}) {
+    for (const auto& [i, j] : {std::pair<int, int>{0, 2}, {2, 0}}) {
+      Elmer elmer(4);
+      if (has_law) {
+        elmer.props.resize(19, 0.0);
+        elmer.props[0] = elmer.props[1] = 0, elmer.props[18] = 2;
+      }
+      const Numbers before = elmer.state;
+      Matrix3d F = Eigen::Vector3d(hoop, hoop, along).asDiagonal();  // r, theta, z
+      F(i, j) = shear;
+      testing::internal::CaptureStderr();
+      elmer.iterate(F, 0.1);
+      const std::string message = testing::internal::GetCapturedStderr();
+      const char* told =
+          i == 0 ? "DFGRD1(1,3) = 0.05, DFGRD1(3,1) = 0," : "DFGRD1(1,3) = 0, DFGRD1(3,1) = 0.05,";
+      EXPECT_NE(message.find(told), std::string::npos) << message;
+      EXPECT_NE(message.find("not r, theta, z as in Elmer's axisymmetric elements"), std::string::npos)
+          << message;
+      for (int a = 0; a < 4; ++a) EXPECT_TRUE(std::isnan(elmer.last.stress[a]));
+      EXPECT_EQ(elmer.last.statev, before);
+    }
+  }
+}
+
+// Without shear nothing tells the orders apart, and nothing has to: r, theta, z may be named 1, 2, 3, with
+// the fibre by the same names.
+TEST(Elmer, AxisymmetryWithoutShear) {
+  const double hoop = 0.96, along = 1.1;
+  Elmer elmer(4, {16, 4, 0.5, 2, 1.1, 1.01, 0, 0, 1});
+  elmer.iterate(Matrix3d(Eigen::Vector3d(hoop, hoop, along).asDiagonal()), 0.1);
+  host::Call abaqus;
+  abaqus.ntens = 4;
+  abaqus.props = {16, 4, 0.5, 2, 1.1, 1.01, 0, 1, 0};
+  abaqus.F = Eigen::Vector3d(hoop, along, hoop).asDiagonal();  // r, z, theta
+  abaqus.run();
   EXPECT_GT(abaqus.statev[0], 1.005);
-  EXPECT_EQ(elmer.statev[0], 1);  // no growth, and no message
+  EXPECT_EQ(elmer.last.statev[0], abaqus.statev[0]);
+  EXPECT_EQ(elmer.last.stress[2], abaqus.stress[1]);
+  EXPECT_EQ(elmer.last.stress[1], abaqus.stress[2]);
+  EXPECT_EQ(elmer.last.stress[3], 0);
+}
+
+// What Abaqus passes with NTENS = 4: zeros in 13 and 31, or, whatever is there, a shear in the 1-2 plane.
+TEST(Elmer, AbaqusIsNotTakenForIt) {
+  for (const double F_12 : {0.0, 0.1}) {
+    for (const double F_13 : {0.0, 0.1}) {
+      if (F_12 == 0 && F_13 != 0) continue;
+      host::Call c;
+      c.ntens = 4;
+      c.F(0, 1) = F_12, c.F(0, 2) = F_13;
+      c.run();
+      EXPECT_TRUE(std::isfinite(c.stress[0]));
+      EXPECT_EQ(c.pnewdt, 1);
+    }
+  }
 }
 
 // ---- WARP3D
