@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
-#include <myogrowth/many/batch.hpp>
+#include <myogrowth/many/laws.hpp>
 #include <utility>
 
 namespace muscle {
@@ -172,8 +172,23 @@ struct Point {
   double trace_h() const { return h_ff * ff + 3 * h_I + h_B * trace_B; }
 };
 
+/// A point of an element with any law, from stress, modulus and the J that the law saw.
+struct FullPoint {
+  double w, J;    // volume before the deformation, det F
+  double tau[6];  // Kirchhoff stress
+  double c[36];   // modulus of its Jaumann rate, column by column
+
+  FullPoint(double volume, double det_F, double J_law, const double* sigma, const double* ddsdde,
+            std::ptrdiff_t stride)
+      : w(volume), J(det_F) {
+    for (int k = 0; k < 6; ++k) tau[k] = J_law * sigma[k * stride];
+    for (int k = 0; k < 36 && ddsdde != nullptr; ++k) c[k] = J_law * ddsdde[k * stride];
+  }
+  double mean() const { return (tau[0] + tau[1] + tau[2]) / 3; }
+};
+
 /// An array of what `point` makes.
-template <std::size_t... q, class Make>
+template <class Point, std::size_t... q, class Make>
 std::array<Point, sizeof...(q)> points_at(std::index_sequence<q...>, const Make& point) {
   return {{point(q)...}};
 }
@@ -270,7 +285,130 @@ void mean_dilatation(const Point* at, const double (*g)[nodes][3], double V, dou
   stiffness<nodes>(3 * points + 2, left, right, points, left, swapped, identity, K);
 }
 
+/// The symmetric matrix of six components, `stride` apart, times g.
+void times(const double* s, int stride, const double g[3], double product[3]) {
+  for (int i = 0; i < 3; ++i) {
+    product[i] = s[stride * myogrowth::symmetric_index(i, 0)] * g[0] +
+                 s[stride * myogrowth::symmetric_index(i, 1)] * g[1] +
+                 s[stride * myogrowth::symmetric_index(i, 2)] * g[2];
+  }
+}
+
+/// The element with any law: R and, if asked for, K = sum w [B^T c B + geometric part], c the modulus of
+/// Truesdell's rate of tau. The mean dilatation has tau and p as above and, with c^ the Jaumann modulus at
+/// J^,
+///   c:D = dev c^:dev D + J p tr D I - (D tau + tau D) at a fixed J^,
+///   dtau = dev(c^:I)/3 dJ^/J^,   slope.du = sum w I:c^:dev D/3,   bulk = sum w (I:c^:I/9 - m^).
+template <int nodes, int points, bool tangent>
+void with_modulus(FullPoint* at, bool mean_dilatation, const double (*g)[nodes][3], double V, double J_hat,
+                  double* R, double* K) {
+  constexpr int n = 3 * nodes;
+  double pressure = 0;
+  for (int q = 0; q < points; ++q) pressure += at[q].w * at[q].mean() / (V * J_hat);
+  double products[points][6][n];  // w c:B
+  double identity[nodes][nodes] = {};
+  double volume[n] = {}, deviator[n] = {}, slope[n] = {}, bulk = 0;
+  for (int q = 0; q < points; ++q) {
+    FullPoint& p = at[q];
+    double c_I[6] = {}, I_c[6] = {}, I_c_I = 0;
+    if (mean_dilatation) {
+      const double m = p.mean(), Jp = p.J * pressure;
+      for (int k = 0; k < 3; ++k) p.tau[k] += Jp - m;
+      if (tangent) {
+        for (int k = 0; k < 6; ++k) {
+          c_I[k] = p.c[k] + p.c[k + 6] + p.c[k + 12];
+          I_c[k] = p.c[6 * k] + p.c[6 * k + 1] + p.c[6 * k + 2];
+        }
+        I_c_I = c_I[0] + c_I[1] + c_I[2];
+        bulk += p.w * (I_c_I / 9 - m);
+        for (int row = 0; row < 6; ++row) {
+          for (int col = 0; col < 6; ++col) {
+            p.c[row + 6 * col] += (row < 3 && col < 3 ? I_c_I / 9 + Jp : 0) - (row < 3 ? I_c[col] / 3 : 0) -
+                                  (col < 3 ? c_I[row] / 3 : 0);
+          }
+        }
+        for (int k = 0; k < 3; ++k) {
+          c_I[k] -= I_c_I / 3;
+          I_c[k] -= I_c_I / 3;
+        }
+      }
+    }
+    double b[nodes][3];
+    for (int a = 0; a < nodes; ++a) {
+      times(p.tau, 1, g[q][a], b[a]);
+      for (int i = 0; i < 3; ++i) R[3 * a + i] += p.w * b[a][i];
+    }
+    if (!tangent) continue;
+    myogrowth::truesdell_from_jaumann(p.tau, p.c, p.c);
+    for (double& x : p.c) x *= p.w;
+    for (int a = 0; a < nodes; ++a) {
+      for (int row = 0; row < 6; ++row) times(p.c + row, 6, g[q][a], products[q][row] + 3 * a);
+      for (int c = 0; c < nodes; ++c) {
+        identity[a][c] += p.w * (g[q][c][0] * b[a][0] + g[q][c][1] * b[a][1] + g[q][c][2] * b[a][2]);
+      }
+      if (!mean_dilatation) continue;
+      double of_c_I[3], of_I_c[3];
+      times(c_I, 1, g[q][a], of_c_I);
+      times(I_c, 1, g[q][a], of_I_c);
+      for (int i = 0; i < 3; ++i) {
+        volume[3 * a + i] += p.w * p.J * g[q][a][i] / V;
+        deviator[3 * a + i] += p.w * of_c_I[i] / 3;
+        slope[3 * a + i] += p.w * of_I_c[i] / 3;
+      }
+    }
+  }
+  if (!tangent) return;
+  for (int row = 0; row < n; ++row) {
+    const int a = row / 3, i = row % 3;
+    double sum[n] = {};
+    for (int q = 0; q < points; ++q) {
+      for (int m = 0; m < 3; ++m) {  // of B^T only what is not zero
+        const double x = g[q][a][m];
+        const double* product = products[q][myogrowth::symmetric_index(i, m)];
+        for (int col = 0; col < n; ++col) sum[col] += x * product[col];
+      }
+    }
+    for (int c = 0; c < nodes; ++c) sum[3 * c + i] += identity[a][c];
+    for (int col = 0; col < n && mean_dilatation; ++col) {
+      sum[col] +=
+          (deviator[row] * volume[col] + volume[row] * (slope[col] + bulk / J_hat * volume[col])) / J_hat;
+    }
+    for (int col = 0; col < n; ++col) K[n * row + col] = sum[col];
+  }
+}
+
 }  // namespace
+
+/// The law at points start to start + count of the cells: Cauchy stress, G, scalars and the modulus, compact
+/// or full. Returns how many have no result.
+std::ptrdiff_t Elements::update_points(const Cells& cells, std::ptrdiff_t start, std::ptrdiff_t count,
+                                       double dt, const double* F, bool tangent, const PointArrays& out) {
+  using namespace myogrowth;
+  constexpr std::ptrdiff_t stride = block_points;
+  const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(cells.n) * n_points(cells.shape);
+  const batch::Input in{
+      batch::soa(F, stride), batch::aos<3>(cells.n0 + 3 * start),     batch::soa(cells.G_n + start, all),
+      batch::shared(&dt),    batch::soa(cells.lambda_n + start, all), batch::shared(&elastic_.activation)};
+  const batch::Output result{batch::soa(out.sigma, stride), batch::soa(out.G, stride),
+                             batch::soa(out.modulus, stride), batch::soa(out.scalars, stride)};
+  const batch::Output without{result.stress, result.G, batch::Absent(), result.scalars};
+  // Without a tangent the kernel of eq. 3 forms none of its own; the compact one is seven numbers either way.
+  if (!full_) return update_batch<Tangent::compact, Measure::cauchy, 8>(material_, count, in, result);
+  std::ptrdiff_t without_result = 0;
+  const auto update = [&](const auto& material) {
+    without_result = tangent ? update_batch<Tangent::full, Measure::cauchy, 8>(material, count, in, result)
+                             : update_batch<Tangent::none, Measure::cauchy, 8>(material, count, in, without);
+  };
+  if (elastic_.law == abi::Law::neo_hookean) {
+    update(material_);
+  } else {
+    abi::with_other_law(material_, elastic_, [&](auto&, const auto& material, double) {
+      update(material);
+      return UpdateStatus::ok;
+    });
+  }
+  return without_result;
+}
 
 template <Shape shape, bool tangent>
 Failure Elements::block(const Cells& cells, int first, int n, double dt, const Forces& out) {
@@ -326,21 +464,13 @@ Failure Elements::block(const Cells& cells, int first, int n, double dt, const F
     }
   }
 
-  // Without a tangent the kernel forms none of its own; the compact one is seven numbers either way.
   const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(first) * points,
                        count = static_cast<std::ptrdiff_t>(n) * points;
   const std::ptrdiff_t all = static_cast<std::ptrdiff_t>(cells.n) * points;
-  double sigma[6 * stride], G[stride], compact[7 * stride], scalars[5 * stride];
-  const batch::Input<batch::Soa<double>, batch::Aos<const double, 3>, batch::Soa<const double>,
-                     batch::Shared<double>, batch::Soa<const double>>
-      in{batch::soa(F, stride), batch::aos<3>(cells.n0 + 3 * start), batch::soa(cells.G_n + start, all),
-         batch::shared(&dt), batch::soa(cells.lambda_n + start, all)};
-  const batch::Output<batch::Soa<double>, batch::Soa<double>, batch::Soa<double>, batch::Soa<double>> result{
-      batch::soa(sigma, stride), batch::soa(G, stride), batch::soa(compact, stride),
-      batch::soa(scalars, stride)};
+  double sigma[6 * stride], G[stride], modulus[36 * stride], scalars[5 * stride];
   const double before = cpu_seconds();
   const std::ptrdiff_t without_result =
-      update_batch<Tangent::compact, Measure::cauchy, 8>(material_, count, in, result);
+      update_points(cells, start, count, dt, F, tangent, {sigma, G, modulus, scalars});
   law_seconds_ += cpu_seconds() - before;
   if (without_result != 0) {
     for (int i = 0; i < count; ++i) {
@@ -352,11 +482,22 @@ Failure Elements::block(const Cells& cells, int first, int n, double dt, const F
     const std::ptrdiff_t cell = first + c;
     double* R = out.residual + cell * dofs;
     double* K = tangent ? out.stiffness + cell * dofs * dofs : nullptr;
-    const std::array<Point, points> at = points_at(std::make_index_sequence<points>(), [&](std::size_t q) {
-      const std::size_t i = static_cast<std::size_t>(points * c) + q;
-      return Point(material_, w[i], J[i], sigma + i, compact + i, stride);
-    });
     for (int k = 0; k < dofs; ++k) R[k] = 0;
+    const auto index = [&](std::size_t q) { return static_cast<std::size_t>(points * c) + q; };
+    if (full_) {
+      auto at = points_at<FullPoint>(std::make_index_sequence<points>(), [&](std::size_t q) {
+        const std::size_t i = index(q);
+        return FullPoint(w[i], J[i], scalars[2 * stride + i], sigma + i, tangent ? modulus + i : nullptr,
+                         stride);
+      });
+      with_modulus<nodes, points, tangent>(at.data(), volume_ == Volume::mean_dilatation, g + points * c,
+                                           V[c], J_hat[c], R, K);
+      continue;
+    }
+    const auto at = points_at<Point>(std::make_index_sequence<points>(), [&](std::size_t q) {
+      const std::size_t i = index(q);
+      return Point(material_, w[i], J[i], sigma + i, modulus + i, stride);
+    });
     if (volume_ == Volume::pointwise) {
       pointwise<nodes, points, tangent>(at.data(), g + points * c, R, K);
     } else {

@@ -15,8 +15,9 @@
 #define MYOGROWTH_DEALII_ELEMENT_HPP
 
 #include <cstddef>
-#include <myogrowth/kernel.hpp>
 #include <vector>
+
+#include "../../abi/elastic_laws.hpp"
 
 namespace muscle {
 
@@ -73,7 +74,15 @@ struct Failure {
 /// Evaluates cells, in blocks that fit the first cache, with the law on the points of a block at once.
 class Elements {
  public:
-  Elements(const myogrowth::FibreGrowth<>& material, Volume volume) : material_(material), volume_(volume) {}
+  /// `elastic`: the elastic law, its constants and the activation at the end of the step; none: eq. 3, which
+  /// goes by its tangent of seven numbers. The other laws go by the 6 x 6 modulus, and so does eq. 3 with
+  /// `full`: another way to the same numbers.
+  Elements(const myogrowth::FibreGrowth<>& material, Volume volume,
+           const myogrowth::abi::LawChoice& elastic = {}, bool full = false)
+      : material_(material),
+        volume_(volume),
+        elastic_(elastic),
+        full_(full || elastic.law != myogrowth::abi::Law::neo_hookean) {}
 
   /// One step of length dt [time]. Stops at the first point without a result.
   Failure evaluate(const Cells& cells, double dt, const Forces& out);
@@ -82,11 +91,19 @@ class Elements {
   double law_seconds() const { return law_seconds_; }
 
  private:
+  /// What the law gives at the points of a block; every array begins with a component's first point.
+  struct PointArrays {
+    double *sigma, *G, *modulus, *scalars;
+  };
+  std::ptrdiff_t update_points(const Cells& cells, std::ptrdiff_t start, std::ptrdiff_t count, double dt,
+                               const double* F, bool tangent, const PointArrays& out);
   template <Shape shape, bool tangent>
   Failure block(const Cells& cells, int first, int n, double dt, const Forces& out);
 
   myogrowth::FibreGrowth<> material_;
   Volume volume_;
+  myogrowth::abi::LawChoice elastic_;
+  bool full_;
   double law_seconds_ = 0;
 };
 
