@@ -63,6 +63,24 @@ double TimeTable::changing_for(double time) const {
   return next - last;
 }
 
+TimeTable read_table(const std::vector<std::string>& rows, const std::string& name, const std::string& place,
+                     const std::function<void(const std::string&)>& fail) {
+  std::vector<std::pair<double, double>> table;
+  for (const std::string& row : rows) {
+    const std::size_t colon = row.find(':');
+    double time, factor;
+    if (colon == std::string::npos || !common::to_number(row.substr(0, colon), time) ||
+        !common::to_number(row.substr(colon + 1), factor) || !(time >= 0))
+      fail("expected TIME:" + name + place + ", found '" + common::visible(row) + "'");
+    if (table.empty() && time > 0) table.emplace_back(0, 0);
+    if (!table.empty() && time < table.back().first)
+      fail("the times" + place + " must ascend; " + common::text_of(time) + " does not");
+    table.emplace_back(time, factor);
+  }
+  if (table.empty()) fail("expected TIME:" + name + place);
+  return TimeTable(table);
+}
+
 std::vector<Action> read_actions(const std::string& text, const TimeTable& ramp) {
   std::vector<Action> actions;
   std::istringstream list(text);
@@ -77,20 +95,7 @@ std::vector<Action> read_actions(const std::string& text, const TimeTable& ramp)
     action.table = ramp;
     const auto at = std::find(words.begin(), words.end(), "at");
     if (at != words.end()) {
-      std::vector<std::pair<double, double>> rows;
-      for (auto row = at + 1; row != words.end(); ++row) {
-        const std::size_t colon = row->find(':');
-        double time, factor;
-        if (colon == std::string::npos || !common::to_number(row->substr(0, colon), time) ||
-            !common::to_number(row->substr(colon + 1), factor) || !(time >= 0))
-          fail("expected TIME:FACTOR after 'at', found '" + common::visible(*row) + "'");
-        if (rows.empty() && time > 0) rows.emplace_back(0, 0);
-        if (!rows.empty() && time < rows.back().first)
-          fail("the times after 'at' must ascend; " + common::text_of(time) + " does not");
-        rows.emplace_back(time, factor);
-      }
-      if (rows.empty()) fail("expected TIME:FACTOR after 'at'");
-      action.table = TimeTable(rows);
+      action.table = read_table({at + 1, words.end()}, "FACTOR", " after 'at'", fail);
       action.own_table = true;
       words.erase(at, words.end());
     }

@@ -6,6 +6,7 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,11 @@ struct Action {
 
   bool holds() const { return kind != pulled && kind != pressed; }
 };
+
+/// The table of rows "TIME:NAME", where NAME is what a message calls the value; it begins with 0 at time 0 if
+/// no row does. `place`: where the rows are, as " after 'at'". `fail` throws with the reason.
+TimeTable read_table(const std::vector<std::string>& rows, const std::string& name, const std::string& place,
+                     const std::function<void(const std::string&)>& fail);
 
 /// Reads Attachments/List. Throws Error with what is wrong and what is allowed. `ramp`: the table of actions
 /// that have none.

@@ -182,10 +182,16 @@ void Muscle::compare_identity(const std::string& path, const std::string& then) 
     return result;
   };
   const auto before = entries(then), now = entries(identity_);
+  // An older version of the program had fewer entries, and did what the defaults of the new ones do.
+  const auto is_default = [&](const std::pair<const std::string, std::string>& entry) {
+    const auto& all = parameters_.defaults;
+    return std::any_of(all.begin(), all.end(),
+                       [&](const auto& d) { return d.first == entry.first && d.second == entry.second; });
+  };
   std::string wrong, changed;
   for (const auto& entry : now) {
     const auto found = before.find(entry.first);
-    if (found != before.end() && found->second == entry.second) continue;
+    if (found != before.end() ? found->second == entry.second : is_default(entry)) continue;
     if (entry.first == "Output/Resume") continue;
     const std::string line = "\n  " + entry.first + " = " + entry.second + ", in the checkpoint " +
                              (found == before.end() ? "not said" : found->second);

@@ -22,6 +22,7 @@
 namespace muscle {
 
 using namespace dealii;
+namespace abi = myogrowth::abi;
 
 namespace {
 
@@ -76,8 +77,9 @@ Muscle::Muscle(const Parameters& parameters, MPI_Comm comm)
   if (file_.has_sections) {
     find_materials();
   } else {
-    materials_ = {{"muscle", true, parameters.muscle}, {"tendon", false, parameters.tendon}};
+    materials_ = {parameters.muscle, parameters.tendon};
   }
+  tell_laws();
   if (parameters.volume == Volume::mean_dilatation && has_shape(file_, Shape::tet))
     throw Error(
         "Muscle/Volume = mean dilatation: must be pointwise with tetrahedra of four nodes, which have "
@@ -109,7 +111,8 @@ void Muscle::find_materials() {
     if (found != given.end()) {
       materials_.push_back(*found);
     } else if (given.empty() && file_.sections.size() == 1) {
-      materials_.push_back({section, true, parameters_.muscle});
+      materials_.push_back(parameters_.muscle);
+      materials_.back().section = section;
     } else {
       throw Error(file_.path + ": section " + section +
                   " has no material: Materials/List must say 'muscle' or 'tendon' for it");
@@ -119,6 +122,21 @@ void Muscle::find_materials() {
     if (std::find(file_.sections.begin(), file_.sections.end(), m.section) == file_.sections.end())
       throw Error("Materials/List: there is no section " + common::visible(m.section) + " in " + file_.path);
   }
+}
+
+/// Which elastic laws there are beside law 0, with all their constants, and what is said in vain.
+void Muscle::tell_laws() const {
+  for (const Parameters::Material& m : materials_) {
+    if (m.elastic.law == abi::Law::neo_hookean) continue;
+    const abi::LawParameters& table = abi::parameters_of(m.elastic.law);
+    std::string text = m.section + ": elastic law " + std::to_string(static_cast<int>(m.elastic.law)) + " (" +
+                       table.name + ")";
+    for (int i = 0; i < table.size; ++i)
+      text += std::string(i ? ", " : ": ") + table.entry[i].symbol + " = " + common::text_of(m.elastic.p[i]);
+    if (m.grows) text += "; activation " + common::text_of(m.activation.rows().back().second) + " in the end";
+    say(text);
+  }
+  for (const std::string& note : parameters_.notes) say(note);
 }
 
 void Muscle::distribute() {
@@ -560,16 +578,28 @@ void Muscle::start_points() {
   if (inverted > 0)
     throw Error("Geometry: " + std::to_string(inverted) +
                 " integration points lie in cells that are inside out or flat");
-  // Forces below this are rounding, where nothing is loaded.
-  force_floor_ = 1e-14 * parameters_.muscle.c2 * std::pow(Utilities::MPI::sum(volume, comm_), 2. / 3);
+  // Forces below this are rounding, where nothing is loaded. The stiffness of laws 1 to 3 is that at rest.
+  double stiffness = parameters_.muscle.law.c2;
+  for (const Parameters::Material& m : materials_) {
+    if (m.elastic.law == abi::Law::neo_hookean) continue;
+    abi::with_other_law(m.law, m.elastic, [&](auto& u, const auto& material, double activation) {
+      const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, n0[3] = {0, 0, 1};
+      const auto status = myogrowth::update_point(material, F, n0, 1., 1., 0., u, activation);
+      for (const double c : u.elastic) stiffness = std::max(stiffness, std::abs(c));
+      return status;
+    });
+  }
+  force_floor_ = 1e-14 * stiffness * std::pow(Utilities::MPI::sum(volume, comm_), 2. / 3);
 }
 
 std::string Muscle::describe(const Group& group, const Failure& failure, double dt) const {
   const std::size_t c = group.first_cell + static_cast<std::size_t>(failure.cell);
   const std::size_t p = first_point_[c] + static_cast<std::size_t>(failure.point);
-  myogrowth::PointUpdate<double> u;
-  const auto status =
-      myogrowth::update_point(material(group), failure.F, n0_.data() + 3 * p, G_n_[p], lambda_n_[p], dt, u);
+  const auto status = abi::with_material(
+      material(group), elastic(group), [&](auto& u, const auto& m, const auto&... activation) {
+        return myogrowth::update_point(m, failure.F, n0_.data() + 3 * p, G_n_[p], lambda_n_[p], dt, u,
+                                       activation...);
+      });
   std::ostringstream text;
   const CellId id = cells_[c]->id();
   text << "no result (" << myogrowth::abi::text(status) << ") in " << name_of(group.shape) << ' '
@@ -767,7 +797,7 @@ std::string Muscle::assemble_compact(double dt, bool tangent) {
     const auto nodes = static_cast<std::size_t>(n_nodes(group.shape)),
                points = static_cast<std::size_t>(n_points(group.shape));
     const std::size_t dofs = 3 * nodes, most = block / points;
-    Elements elements(material(group), parameters_.volume);
+    Elements elements(material(group), parameters_.volume, elastic(group));
     u.resize(most * dofs);
     R.resize(most * dofs);
     scalars.resize(5 * block);
@@ -859,22 +889,28 @@ std::string Muscle::assemble_dense(double dt) {
         state.lambda = lambda_n_[p];
         state.n0 = Eigen::Map<const Eigen::Vector3d>(n0_.data() + 3 * p);
         const double law_start = cpu_seconds();
-        const auto step = myogrowth::update(material(group), F, state, dt);
-        const Eigen::Matrix3d P = step.first_piola();
-        const Eigen::Matrix<double, 9, 9> A = step.dP_dF();
+        Eigen::Matrix3d P;
+        Eigen::Matrix<double, 9, 9> A;
+        const auto status = abi::with_material(
+            material(group), elastic(group), [&](auto&, const auto& m, const auto&... activation) {
+              const auto step = myogrowth::update(m, F, state, dt, activation...);
+              P = step.first_piola();
+              A = step.dP_dF();
+              G_[p] = step.state.G;
+              lambda_e_[p] = step.point.lambda_e;
+              lambda_[p] = step.point.lambda;
+              J_[p] = step.point.J;
+              Je_[p] = step.point.Je;
+              return step.point.status;
+            });
         costs_.law += cpu_seconds() - law_start;
-        if (!step.ok()) {
+        if (status != myogrowth::UpdateStatus::ok) {
           Failure failure;
           failure.cell = static_cast<int>(c - group.first_cell);
           failure.point = static_cast<int>(q);
           std::copy(F.data(), F.data() + 9, failure.F);
           return describe(group, failure, dt);
         }
-        G_[p] = step.state.G;
-        lambda_e_[p] = step.point.lambda_e;
-        lambda_[p] = step.point.lambda;
-        J_[p] = step.point.J;
-        Je_[p] = step.point.Je;
         const Eigen::VectorXd force = B.transpose() * Eigen::Map<const Eigen::Matrix<double, 9, 1>>(P.data());
         const Eigen::MatrixXd stiffness = B.transpose() * A * B;
         for (unsigned a = 0; a < n; ++a) {
@@ -962,9 +998,9 @@ double Muscle::growth_in(double dt) const {
 void Muscle::predict(double dt) {
   const std::size_t n = std::min<std::size_t>(before_.size(), 2);
   if (!parameters_.predict || n == 0 || dt == 0) return;
-  const bool held = std::none_of(attachments_.begin(), attachments_.end(), [&](const Attachment& a) {
-    return a.action.table.changing_for(time_) < never;
-  });
+  const auto all = tables();
+  const bool held = std::none_of(all.begin(), all.end(),
+                                 [&](const TimeTable* table) { return table->changing_for(time_) < never; });
   const double growth = held ? growth_in(dt) : 0;
   const bool by_growth = growth != 0;
   std::vector<double> at{by_growth ? mean_G_ : time_};
@@ -1028,7 +1064,7 @@ Muscle::Attempt Muscle::step(double dt, double part) {
 
 /// The largest time error of G over the muscle's points, as the library estimates it.
 double Muscle::time_error(double dt) const {
-  const bool first_order = parameters_.muscle.integration == myogrowth::TimeIntegration::backward_euler;
+  const bool first_order = parameters_.muscle.law.integration == myogrowth::TimeIntegration::backward_euler;
   double worst = 0;
   for (const Group& group : groups_) {
     if (!grows(group)) continue;
@@ -1056,6 +1092,14 @@ void Muscle::commit(double dt) {
   ++costs_.steps;
 }
 
+/// What moves or activates the muscle over time.
+std::vector<const TimeTable*> Muscle::tables() const {
+  std::vector<const TimeTable*> all;
+  for (const Attachment& a : attachments_) all.push_back(&a.action.table);
+  for (const Parameters::Material& m : materials_) all.push_back(&m.activation);
+  return all;
+}
+
 /// The time at which a step must end: that of the ramp, of an output, of a listed step, of the whole.
 double Muscle::next_stop() const {
   double stop = parameters_.end;
@@ -1063,7 +1107,7 @@ double Muscle::next_stop() const {
   const auto consider = [&](double t) {
     if (t > now) stop = std::min(stop, t);
   };
-  for (const Attachment& a : attachments_) consider(a.action.table.next_row(time_));
+  for (const TimeTable* table : tables()) consider(table->next_row(time_));
   for (const double t : parameters_.output_times) consider(t);
   for (const double t : parameters_.times) {
     if (parameters_.steps == "listed") consider(t);
@@ -1071,14 +1115,16 @@ double Muscle::next_stop() const {
   return stop;
 }
 
-/// Whether an attachment jumps now.
+/// Whether an attachment or an activation jumps now.
 bool Muscle::jumps() const {
-  return std::any_of(attachments_.begin(), attachments_.end(),
-                     [&](const Attachment& a) { return a.action.table.jumps_at(time_); });
+  const auto all = tables();
+  return std::any_of(all.begin(), all.end(), [&](const TimeTable* table) { return table->jumps_at(time_); });
 }
 
-/// Takes the attachments over a jump, without growth: in one go, or in parts where that is too far.
+/// Takes attachments and activation over a jump, without growth: in one go, or in parts where that is too
+/// far. It counts as one step, as it has one row.
 void Muscle::jump() {
+  const int steps = costs_.steps + 1;
   double done = 0;
   for (double part = 1; done < 1;) {
     const double to = std::min(1.0, done + part);
@@ -1097,8 +1143,9 @@ void Muscle::jump() {
     if (part < 1e-3)
       throw Error("no jump is short enough at time " + number("%g", time_) + ": " + attempt.why);
   }
+  costs_.steps = steps;
   before_.clear();
-  dt_ = std::min(dt_, parameters_.step);
+  if (parameters_.steps == "adaptive") dt_ = std::min(dt_, parameters_.step);
 }
 
 bool Muscle::run(const volatile int& asked_to_end) {
@@ -1129,8 +1176,8 @@ bool Muscle::run(const volatile int& asked_to_end) {
     double dt = dt_;
     if (adaptive) {
       dt = std::min(dt, parameters_.longest_step);
-      for (const Attachment& a : attachments_)
-        dt = std::min(dt, parameters_.largest_part * a.action.table.changing_for(time_));
+      for (const TimeTable* table : tables())
+        dt = std::min(dt, parameters_.largest_part * table->changing_for(time_));
     }
     const bool to_stop = time_ + dt * 1.000001 >= stop;
     if (to_stop) dt = stop - time_;
@@ -1159,10 +1206,11 @@ bool Muscle::run(const volatile int& asked_to_end) {
     commit(dt);
     if (to_stop) {
       time_ = stop;  // to the last bit
-      const bool row = std::any_of(attachments_.begin(), attachments_.end(), [&](const Attachment& a) {
-        return a.action.table.at(stop, 0) != a.action.table.at(stop - dt / 2, 0);
+      const auto all = tables();
+      const bool row = std::any_of(all.begin(), all.end(), [&](const TimeTable* table) {
+        return table->at(stop, 0) != table->at(stop - dt / 2, 0);
       });
-      if (row) before_.clear();  // an attachment has come to the end of a way
+      if (row) before_.clear();  // an attachment has come to the end of a way, or an activation
     }
     if (adaptive) {
       dt_ = to_stop ? std::max(dt_, factor * dt) : factor * dt;

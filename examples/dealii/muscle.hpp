@@ -79,6 +79,7 @@ class Muscle {
 
   // muscle.cpp: set-up
   void find_materials();
+  void tell_laws() const;
   void distribute();
   void sort_cells();
   void find_ends();
@@ -109,6 +110,7 @@ class Muscle {
   std::string describe(const Group& group, const Failure& failure, double dt) const;
   double time_error(double dt) const;
   void commit(double dt);
+  std::vector<const TimeTable*> tables() const;
   double next_stop() const;
   bool jumps() const;
   void jump();
@@ -136,6 +138,10 @@ class Muscle {
 
   const myogrowth::FibreGrowth<>& material(const Group& group) const {
     return materials_[group.material].law;
+  }
+  /// The elastic law and its activation in the step that is tried.
+  myogrowth::abi::LawChoice elastic(const Group& group) const {
+    return materials_[group.material].elastic_at(load_time_, load_part_);
   }
   bool grows(const Group& group) const { return materials_[group.material].grows; }
   dealii::Point<3> place(std::size_t point) const {

@@ -10,7 +10,6 @@
 #include <set>
 #include <sstream>
 
-#include "../../abi/properties.hpp"
 #include "../common/rows.hpp"
 
 namespace muscle {
@@ -42,6 +41,39 @@ std::string canonical(const std::string& value) {
     text += (text.empty() ? "" : ", ") + std::string(shortest, std::to_chars(shortest, shortest + 40, x).ptr);
   }
   return text;
+}
+
+/// 0 (neo-Hookean), 1 (Roehrle), ...
+std::string elastic_laws() {
+  std::string text = "0 (neo-Hookean)";
+  for (int law = 1; law <= abi::n_laws; ++law)
+    text += (law < abi::n_laws ? ", " : " or ") + std::to_string(law) + " (" +
+            abi::parameters_of(static_cast<abi::Law>(law)).name + ")";
+  return text;
+}
+
+/// An activation: a number from 0 to 1, at once at time 0, or a table TIME:ACTIVATION, parted by blanks or
+/// commas. `fail` throws with the reason.
+TimeTable read_activation(const std::string& text, const std::function<void(const std::string&)>& fail) {
+  std::string parted = text;
+  std::replace(parted.begin(), parted.end(), ',', ' ');
+  std::istringstream in(parted);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  const bool is_table = text.find(':') != std::string::npos;
+  double number = 0;
+  if (!is_table && !common::to_number(text, number))
+    fail("must be a number >= 0 and <= 1 or a table TIME:ACTIVATION TIME:ACTIVATION ..." +
+         common::hint(text));
+  auto rows = is_table ? read_table(words, "ACTIVATION", "", fail).rows()
+                       : std::vector<std::pair<double, double>>{{0, 0}, {0, number}};
+  for (auto& row : rows) {
+    abi::LawChoice taken{};
+    if (!abi::take_activation(row.second, taken))
+      fail("activation, must be >= 0 and <= 1; " + common::text_of(row.second) + " is not");
+    row.second = taken.activation;
+  }
+  return TimeTable(rows);
 }
 
 /// All entries: declared here, set by files and arguments.
@@ -90,13 +122,22 @@ class Entries {
 
   /// Throws Error that names an entry, its place and value and what is allowed.
   void check(bool good, const std::string& full_name, const std::string& allowed) const {
-    if (good) return;
+    if (!good) fail(full_name, "must be " + allowed);
+  }
+  /// Throws Error that names an entry, its place and value and what is wrong.
+  void fail(const std::string& full_name, const std::string& why) const {
+    const Entry& e = entry(full_name);
+    const std::string value = text(e);
+    throw Error((e.place.empty() ? "" : e.place + ": ") + full_name +
+                (value.empty() ? " is empty" : " = " + common::visible(value)) + ": " + why);
+  }
+  /// The entries of a section that a file or an argument says.
+  std::vector<std::string> said(const std::string& section) const {
+    std::vector<std::string> names;
     for (const Entry& e : all_) {
-      if (e.full_name() != full_name) continue;
-      const std::string value = text(e);
-      throw Error((e.place.empty() ? "" : e.place + ": ") + full_name +
-                  (value.empty() ? " is empty" : " = " + common::visible(value)) + ": must be " + allowed);
+      if (e.section == section && (e.argument || !e.place.empty())) names.push_back(e.full_name());
     }
+    return names;
   }
 
   std::vector<std::pair<std::string, std::string>> texts() const {
@@ -110,7 +151,20 @@ class Entries {
 
  private:
   void declare();
+  const Entry& entry(const std::string& full_name) const {
+    return *std::find_if(all_.begin(), all_.end(),
+                         [&](const Entry& e) { return e.full_name() == full_name; });
+  }
   std::string text(const Entry& e) const { return prm_.get({e.section}, e.name); }
+
+  /// The names of all sections.
+  std::string sections() const {
+    std::string names;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      if (i == 0 || all_[i].section != all_[i - 1].section) names += (i == 0 ? "" : ", ") + all_[i].section;
+    }
+    return names;
+  }
 
   ParameterHandler prm_;
   std::vector<Entry> all_;
@@ -175,11 +229,13 @@ void Entries::declare() {
            "of its tetrahedra: 2 puts a node into the middle of every edge, 1 drops such nodes");
   });
   section("Materials", [&] {
-    word("List", "",
-         "what the sections of Mesh/File are made of, parted by semicolons: NAME muscle, which has the "
-         "parameters of section Muscle but for NAME=VALUE that follow; or NAME tendon, which does not grow, "
-         "with c1 and c2 Tendon/Stiffness times those of Muscle or as c1=VALUE c2=VALUE that follow. A mesh "
-         "of one section needs none: it is muscle");
+    word(
+        "List", "",
+        "what the sections of Mesh/File are made of, parted by semicolons: NAME muscle, which has the "
+        "parameters of section Muscle but for NAME=VALUE that follow (law, activation and the constants of "
+        "the elastic law too); or NAME tendon, which does not grow, with c1 and c2 Tendon/Stiffness times "
+        "those of Muscle or as c1=VALUE c2=VALUE that follow, or with law=VALUE and its constants. A mesh of "
+        "one section needs none: it is muscle");
   });
   section("Attachments", [&] {
     word("List", "",
@@ -207,11 +263,29 @@ void Entries::declare() {
         real(p.symbol, common::text_of(*start), -any, any,
              std::string(p.meaning) + "; " + abi::text(p.allowed) + " [" + p.unit + "]");
     }
+    entry("Law", "0", Patterns::Integer(0, abi::n_laws), elastic_laws(),
+          "elastic law: " + elastic_laws() +
+              "; the constants of laws 1 to 3 are in the sections below, c1 and c2 are of law 0 "
+              "(docs/laws.md)");
+    word("Activation", "0",
+         "of laws 1 to 3: a number >= 0 and <= 1, which holds from the begin on, or a table TIME:ACTIVATION "
+         "TIME:ACTIVATION ..., linear between rows, from 0 at time 0; two rows of one time are a jump");
     choice("Energy", "reference", "reference|grown", "the volume that the elastic energy is counted per");
     choice("Integration", "second order", "backward Euler|second order", "of growth in time");
     choice("Volume", "pointwise", "pointwise|mean dilatation",
            "mean dilatation for nearly incompressible muscle, c1 >> c2, where pointwise locks");
   });
+  for (int law = 1; law <= abi::n_laws; ++law) {
+    const abi::LawParameters& table = abi::parameters_of(static_cast<abi::Law>(law));
+    section(table.name, [&] {
+      for (int i = 0; i < table.size; ++i) {
+        const abi::Property& p = table.entry[i];
+        real(p.symbol, common::text_of(p.initial), -any, any,
+             "of elastic law " + std::to_string(law) + ": " + p.meaning + "; " + abi::text(p.allowed) + " [" +
+                 p.unit + "]");
+      }
+    });
+  }
   section("Tendon", [&] {
     real("Length", "0", 0, any, "of a layer at each end that does not grow; 0: none [length]");
     real("Stiffness", "100", tiny, any, "of that layer, over the muscle's [-]");
@@ -329,13 +403,16 @@ Parameters values(ParameterHandler& prm) {
 
   prm.enter_subsection("Muscle");
   for (int i = 0; i < abi::n_props; ++i) {
-    if (double* parameter = abi::parameter(p.muscle, i)) *parameter = prm.get_double(abi::property(i).symbol);
+    if (double* parameter = abi::parameter(p.muscle.law, i))
+      *parameter = prm.get_double(abi::property(i).symbol);
   }
-  p.muscle.energy = prm.get("Energy") == "grown" ? myogrowth::EnergyPer::grown_volume
-                                                 : myogrowth::EnergyPer::reference_volume;
-  p.muscle.integration = prm.get("Integration") == "second order"
-                             ? myogrowth::TimeIntegration::midpoint_flow
-                             : myogrowth::TimeIntegration::backward_euler;
+  p.muscle.law.energy = prm.get("Energy") == "grown" ? myogrowth::EnergyPer::grown_volume
+                                                     : myogrowth::EnergyPer::reference_volume;
+  p.muscle.law.integration = prm.get("Integration") == "second order"
+                                 ? myogrowth::TimeIntegration::midpoint_flow
+                                 : myogrowth::TimeIntegration::backward_euler;
+  p.muscle.section = "muscle";
+  p.muscle.elastic.law = static_cast<abi::Law>(prm.get_integer("Law"));
   p.volume = prm.get("Volume") == "mean dilatation" ? Volume::mean_dilatation : Volume::pointwise;
   prm.leave_subsection();
 
@@ -404,35 +481,84 @@ std::vector<Parameters::Material> read_materials(const std::string& text, const 
       throw Error("Materials/List: '" + common::visible(item) + "': " + why);
     };
     std::istringstream words(item);
-    Parameters::Material material;
-    std::string kind, word;
-    if (!(words >> material.section)) continue;
+    std::string section, kind;
+    if (!(words >> section)) continue;
     if (!(words >> kind) || (kind != "muscle" && kind != "tendon"))
       fail("expected NAME and muscle or tendon" +
            (kind.empty() ? std::string() : ", found '" + common::visible(kind) + "'"));
-    material.grows = kind == "muscle";
-    material.law = material.grows ? p.muscle : p.tendon;
-    std::set<std::string> given;
-    while (words >> word) {
+    Parameters::Material material = kind == "muscle" ? p.muscle : p.tendon;
+    material.section = section;
+    std::vector<std::pair<std::string, std::string>> given;  // names and values
+    for (std::string word; words >> word;) {
       const std::size_t equals = word.find('=');
       const std::string name = word.substr(0, equals);
-      const int entry = abi::find_property(name.c_str());
-      double* parameter = abi::parameter(material.law, entry);
-      double value;
-      if (equals == std::string::npos || parameter == nullptr || (!material.grows && entry > 1))
-        fail("expected " + std::string(material.grows ? "a parameter of section Muscle" : "c1 or c2") +
-             " as NAME=VALUE, found '" + common::visible(word) + "'");
-      if (!common::to_number(word.substr(equals + 1), value))
-        fail("expected a number after " + name + "=, found '" + common::visible(word.substr(equals + 1)) +
-             "'");
-      if (!given.insert(name).second) fail(name + " is said twice");
-      *parameter = value;
+      if (equals == std::string::npos) fail("expected NAME=VALUE, found '" + common::visible(word) + "'");
+      for (const auto& other : given) {
+        if (other.first == name) fail(common::visible(name) + " is said twice");
+      }
+      given.emplace_back(name, word.substr(equals + 1));
     }
+    const auto number = [&](const std::pair<std::string, std::string>& of) {
+      double value;
+      if (!common::to_number(of.second, value))
+        fail("expected a number after " + of.first + "=, found '" + common::visible(of.second) + "'" +
+             common::hint(of.second));
+      return value;
+    };
+    // The law first: it decides which names there are.
+    for (const auto& entry : given) {
+      if (entry.first != "law") continue;
+      const double law = number(entry);
+      if (!(law >= 0 && law <= abi::n_laws && law == std::floor(law)))
+        fail("law = " + common::text_of(law) + ": elastic law, must be " + elastic_laws());
+      material.elastic = p.laws[static_cast<std::size_t>(law)];
+    }
+    const abi::Law law = material.elastic.law;
+    const bool has_constants = law != abi::Law::neo_hookean;
+    const abi::LawParameters* table = has_constants ? &abi::parameters_of(law) : nullptr;
+    for (const auto& entry : given) {
+      if (entry.first == "law") continue;
+      if (entry.first == "activation" && material.grows && has_constants) {
+        material.activation =
+            read_activation(entry.second, [&](const std::string& why) { fail("activation: " + why); });
+        continue;
+      }
+      const int index = abi::find_property(entry.first.c_str());
+      double* parameter = abi::parameter(material.law, index);
+      if (parameter != nullptr && ((index < 2 && has_constants) || (index > 1 && !material.grows)))
+        parameter = nullptr;
+      for (int i = 0; i < (has_constants ? table->size : 0); ++i) {
+        if (entry.first == table->entry[i].symbol) parameter = material.elastic.p + i;
+      }
+      if (parameter == nullptr) {
+        std::string names = material.grows  ? "a parameter of section Muscle"
+                            : has_constants ? "law"
+                                            : "c1, c2 or law";
+        if (has_constants) {
+          names += std::string(material.grows ? " but c1 and c2, law, activation" : "") +
+                   " or a constant of elastic law " + std::to_string(static_cast<int>(law)) + " (";
+          for (int i = 0; i < table->size; ++i)
+            names += (i > 0 ? ", " : "") + std::string(table->entry[i].symbol);
+          names += ")";
+        } else if (material.grows) {
+          names += " or law";
+        }
+        fail("expected " + names + " as NAME=VALUE, found '" +
+             common::visible(entry.first + "=" + entry.second) + "'");
+      }
+      *parameter = number(entry);
+    }
+    if (!has_constants) material.activation = {};
     double props[abi::n_props];
     abi::write(material.law, props);
     const int bad = abi::find_bad_entry(props);
     if (bad >= 0)
       fail(std::string(abi::property(bad).symbol) + " must be " + abi::text(abi::property(bad).allowed));
+    double constants[abi::most_law_parameters];
+    std::copy(material.elastic.p, material.elastic.p + abi::most_law_parameters, constants);
+    abi::Text fault;
+    if (has_constants && abi::find_parameter_fault(constants, table->size, 0, material.elastic, fault))
+      fail(fault);
     for (const auto& other : materials) {
       if (other.section == material.section) fail("there is a material for " + material.section + " already");
     }
@@ -480,21 +606,77 @@ std::vector<Parameters::SetFibre> read_set_fibres(const std::string& text, const
   return found;
 }
 
+/// The elastic laws with the constants of their sections, and which one the muscle has. Throws Error.
+void take_laws(const Entries& entries, Parameters& p) {
+  for (int law = 1; law <= abi::n_laws; ++law) {
+    abi::LawChoice& choice = p.laws[static_cast<std::size_t>(law)];
+    choice.law = static_cast<abi::Law>(law);
+    const abi::LawParameters& table = abi::parameters_of(choice.law);
+    double given[abi::most_law_parameters];
+    for (int i = 0; i < table.size; ++i)
+      given[i] = entries.prm().get_double({table.name}, table.entry[i].symbol);
+    abi::Text fault;
+    if (abi::find_parameter_fault(given, table.size, 0, choice, fault)) {
+      const std::string text(fault);  // "SYMBOL = VALUE: what is wrong"
+      entries.fail(table.name + ("/" + text.substr(0, text.find(' '))), text.substr(text.find(": ") + 2));
+    }
+  }
+  p.muscle.elastic = p.laws[static_cast<std::size_t>(p.muscle.elastic.law)];
+  const std::string activation = entries.prm().get({"Muscle"}, "Activation");
+  p.muscle.activation =
+      read_activation(activation, [&](const std::string& why) { entries.fail("Muscle/Activation", why); });
+}
+
+/// Tells of constants that are said and that no material reads, and refuses an activation of such.
+void find_unread(const Entries& entries, Parameters& p) {
+  std::vector<Parameters::Material> all = p.materials;
+  const bool of_mesh = p.geometry.kind == "mesh";
+  if (all.empty()) all.push_back(p.muscle);
+  if (!of_mesh && p.tendon_length > 0) all.push_back(p.tendon);
+  const auto has_law = [&](int law) {
+    return std::any_of(all.begin(), all.end(),
+                       [&](const Parameters::Material& m) { return static_cast<int>(m.elastic.law) == law; });
+  };
+  const auto note = [&](const std::string& entry, int law) {
+    p.notes.push_back(entry + " is not read: nothing has elastic law " + std::to_string(law));
+  };
+  for (const std::string& entry : entries.said("Muscle")) {
+    if ((entry == "Muscle/c1" || entry == "Muscle/c2") && !has_law(0)) note(entry, 0);
+  }
+  for (int law = 1; law <= abi::n_laws; ++law) {
+    for (const std::string& entry : entries.said(abi::parameters_of(static_cast<abi::Law>(law)).name)) {
+      if (!has_law(law)) note(entry, law);
+    }
+  }
+  const auto& rows = p.muscle.activation.rows();
+  const bool is_active =
+      std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.second != 0; });
+  const bool may_be = std::any_of(all.begin(), all.end(), [](const Parameters::Material& m) {
+    return m.grows && m.elastic.law != abi::Law::neo_hookean;
+  });
+  entries.check(!is_active || may_be, "Muscle/Activation", "0 with elastic law 0, which has no active force");
+}
+
 /// What one entry's range cannot say.
 void check_together(const Entries& entries, Parameters& p) {
   const auto check = [&](bool good, const std::string& entry, const std::string& allowed) {
     entries.check(good, entry, allowed);
   };
   double props[abi::n_props];
-  abi::write(p.muscle, props);
+  abi::write(p.muscle.law, props);
   const int bad = abi::find_bad_entry(props);
   if (bad >= 0)
     check(false, std::string("Muscle/") + abi::property(bad).symbol, abi::text(abi::property(bad).allowed));
+  take_laws(entries, p);
   p.tendon = p.muscle;
-  p.tendon.c1 *= p.tendon_stiffness;
-  p.tendon.c2 *= p.tendon_stiffness;
-  p.tendon.growth.lambda_crit = no_growth;
-  p.tendon.removal.tau_rev = 0;
+  p.tendon.section = "tendon";
+  p.tendon.grows = false;
+  p.tendon.law.c1 *= p.tendon_stiffness;
+  p.tendon.law.c2 *= p.tendon_stiffness;
+  p.tendon.law.growth.lambda_crit = no_growth;
+  p.tendon.law.removal.tau_rev = 0;
+  p.tendon.elastic = {};
+  p.tendon.activation = {};
   const auto& g = p.geometry;
   const bool mesh = g.kind == "mesh";
   const auto only_with_mesh = [&](const std::string& entry, bool given) {
@@ -553,6 +735,7 @@ void check_together(const Entries& entries, Parameters& p) {
 
   p.attachments.actions = read_actions(actions, TimeTable({{0, 0}, {p.ramp, 1}}));
   p.materials = read_materials(materials, p);
+  find_unread(entries, p);
   p.set_fibres = read_set_fibres(fibres, p);
   if (!p.attachments.protocol.empty())
     p.attachments.stretching =
@@ -577,9 +760,7 @@ void Entries::read(const std::string& path) {
     if (word == "subsection" && section.empty()) {
       section = rows.text_from(1, "the name of a section");
       if (std::none_of(all_.begin(), all_.end(), [&](const Entry& e) { return e.section == section; }))
-        rows.unexpected(1,
-                        "a section: Geometry, Mesh, Materials, Attachments, Muscle, Tendon, Fibre, Ends, "
-                        "Time, Solver or Output");
+        rows.unexpected(1, "a section: " + sections());
       if (!places.emplace(section, rows.place(1)).second)
         rows.fail(1, "section " + section + " is there already, in " + places[section]);
     } else if (word == "set" && !section.empty()) {
@@ -614,6 +795,7 @@ Parameters read_parameters(const std::string& file, const std::vector<std::strin
   Parameters p = values(entries.prm());
   check_together(entries, p);
   p.entries = entries.texts();
+  p.defaults = Entries().texts();
   return p;
 }
 

@@ -3,8 +3,8 @@
 #ifndef MYOGROWTH_DEALII_PARAMETERS_HPP
 #define MYOGROWTH_DEALII_PARAMETERS_HPP
 
+#include <array>
 #include <cstdio>
-#include <myogrowth/kernel.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,10 +43,19 @@ struct Parameters {
   /// What a section of the mesh file is made of.
   struct Material {
     std::string section;
-    bool grows = true;  ///< else it is elastic: tendon, aponeurosis
-    myogrowth::FibreGrowth<> law;
+    bool grows = true;                    ///< else it is elastic: tendon, aponeurosis
+    myogrowth::FibreGrowth<> law;         ///< growth, and the constants of elastic law 0
+    myogrowth::abi::LawChoice elastic{};  ///< the elastic law and its constants
+    TimeTable activation;                 ///< not of tendon
+
+    /// The elastic law with the activation at a time; `part`: as TimeTable has it.
+    myogrowth::abi::LawChoice elastic_at(double time, double part) const {
+      myogrowth::abi::LawChoice now = elastic;
+      now.activation = activation.at(time, part);
+      return now;
+    }
   };
-  std::vector<Material> materials;
+  std::vector<Material> materials;  ///< of Materials/List
 
   struct Attachments {
     std::vector<Action> actions;   ///< none: the proximal one fixed, the distal one 10 % away
@@ -55,7 +64,9 @@ struct Parameters {
     TimeTable stretching;          ///< the protocol's stretch - 1
   } attachments;
 
-  myogrowth::FibreGrowth<> muscle, tendon;
+  Material muscle, tendon;  ///< what a mesh without Materials/List is made of
+  std::array<myogrowth::abi::LawChoice, myogrowth::abi::n_laws + 1>
+      laws{};  ///< with the constants of their sections
   Volume volume;
   double tendon_length, tendon_stiffness;  ///< [length], [-]
 
@@ -106,6 +117,8 @@ struct Parameters {
   /// All entries, "Section/Entry" and value, numbers in their shortest form: what a checkpoint says of its
   /// run.
   std::vector<std::pair<std::string, std::string>> entries;
+  std::vector<std::pair<std::string, std::string>> defaults;  ///< the same where nothing is said
+  std::vector<std::string> notes;  ///< what is to be told: entries that are said and that nothing reads
 };
 
 /// Reads a file and "Section/Entry=value" arguments. Throws Error that names the entry, its value and what is

@@ -407,7 +407,7 @@ class Sections(MeshCase):
                                    ("BELLY muscle; CORD bone", "' CORD bone': expected NAME and muscle or tendon, found 'bone'"),
                                    ("BELLY muscle tau=-1; CORD tendon", "tau must be > 0"),
                                    ("BELLY muscle tau=1 tau=2; CORD tendon", "tau is said twice"),
-                                   ("BELLY muscle; CORD tendon tau=1", "expected c1 or c2 as NAME=VALUE, found 'tau=1'")):
+                                   ("BELLY muscle; CORD tendon tau=1", "expected c1, c2 or law as NAME=VALUE, found 'tau=1'")):
             self.assertRegex(self.run_muscle(1, "a", {**self.box(), **self.ENTRIES, "Materials/List": materials}, status=1), message)
 
 
