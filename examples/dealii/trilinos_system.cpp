@@ -1,6 +1,6 @@
 // The matrix of Trilinos. ML is set up for elasticity: three equations a node, the rigid-body modes as near
-// null space, no entry dropped, three Chebyshev sweeps; with deal.II's own settings GMRES takes eight times
-// as many iterations.
+// null space, no entry dropped, three Chebyshev sweeps (on the finest level our own, smoother.hpp); with
+// deal.II's own settings GMRES takes eight times as many iterations.
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/trilinos_precondition.h>
@@ -9,9 +9,11 @@
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
+#include <ml_MultiLevelPreconditioner.h>
 #include <Teuchos_ParameterList.hpp>
 
 #include "linear_system.hpp"
+#include "smoother.hpp"
 
 namespace muscle {
 
@@ -32,10 +34,21 @@ std::vector<std::vector<double>> rigid_body_modes(const std::vector<Point<3>>& p
 
 namespace {
 
+constexpr int sweeps = 3;
+
+/// ML calls it on the finest level; TrilinosSystem::set_up has put the smoother into `data`.
+int smooth(ML_Smoother* ml, int, double* x, int, double* b) {
+  static_cast<Smoother*>(ml->smoother->data)
+      ->apply(ml->my_level->Amat->lambda_max, sweeps, ml->init_guess == ML_ZERO, b, x);
+  return 0;
+}
+
 class TrilinosSystem : public LinearSystem {
  public:
   explicit TrilinosSystem(const Unknowns& unknowns)
-      : unknowns_(unknowns), partitioner_(unknowns.owned, unknowns.relevant, unknowns.comm) {
+      : unknowns_(unknowns),
+        partitioner_(
+            std::make_shared<Utilities::MPI::Partitioner>(unknowns.owned, unknowns.relevant, unknowns.comm)) {
     TrilinosWrappers::SparsityPattern pattern(unknowns.owned, unknowns.owned, unknowns.relevant,
                                               unknowns.comm);
     DoFTools::make_sparsity_pattern(unknowns.dofs, pattern, AffineConstraints<double>(), true,
@@ -70,13 +83,16 @@ class TrilinosSystem : public LinearSystem {
     constraints.distribute_local_to_global(K, r, indices, matrix_, rhs);
   }
 
-  void finish() override { matrix_.compress(VectorOperation::add); }
+  void finish() override {
+    matrix_.compress(VectorOperation::add);
+    smoother_->copy(values_);
+  }
 
   void set_up() override {
     TrilinosWrappers::PreconditionAMG::AdditionalData data;
     data.elliptic = true;
     data.w_cycle = true;  // keeps the iterations from growing with the size
-    data.smoother_sweeps = 3;
+    data.smoother_sweeps = sweeps;
     data.aggregation_threshold = 0;
     Teuchos::ParameterList ml;
     std::unique_ptr<Epetra_MultiVector> unused;
@@ -91,12 +107,20 @@ class TrilinosSystem : public LinearSystem {
     ml.set("PDE equations", 3);
     ml.set("aggregation: threshold", 0.0);
     ml.set("smoother: type", "Chebyshev");
-    ml.set("smoother: sweeps", 3);
+    ml.set("smoother: sweeps", sweeps);
+    ml.set("smoother: type (level 0)", "user-defined");
+    ml.set("smoother: user-defined function", &smooth);
     ml.set("null space: type", "pre-computed");
     ml.set("null space: dimension", 6);
     ml.set("null space: vectors", modes_->Values());
     ml.set("ML output", 0);
     amg_.initialize(matrix_, ml);
+    const auto& made = dynamic_cast<const ML_Epetra::MultiLevelPreconditioner&>(amg_.trilinos_operator());
+    const ML& levels = *made.GetML();
+    for (ML_Smoother* on_levels : {levels.pre_smoother, levels.post_smoother}) {
+      ML_SmootherFunc* finest = on_levels[levels.ML_finest_level].smoother;
+      if (finest && finest->func_ptr == smooth) finest->data = smoother_.get();  // a few nodes have one level
+    }
   }
 
   int solve(const Vector& rhs, Vector& x, double tolerance) override {
@@ -112,6 +136,20 @@ class TrilinosSystem : public LinearSystem {
   }
 
  private:
+  void make_smoother(const int* start, const int* columns) {
+    const Epetra_CrsMatrix& m = matrix_.trilinos_matrix();
+    std::vector<unsigned> local(static_cast<std::size_t>(m.NumMyNonzeros()));
+    std::transform(columns, columns + local.size(), local.begin(), [&](int column) {
+      return partitioner_->global_to_local(static_cast<types::global_dof_index>(m.GCID(column)));
+    });
+    everybodys_.reinit(partitioner_);
+    smoother_ = std::make_unique<Smoother>(n_owned_, start, local, [this](const double* owned) {
+      std::copy(owned, owned + n_owned_, everybodys_.begin());
+      everybodys_.update_ghost_values();
+      return everybodys_.begin();
+    });
+  }
+
   /// Where in the matrix's rows the entries of the cells go, so that nothing is searched for later. The three
   /// rows of a node have the same columns.
   void find_places() {
@@ -120,6 +158,7 @@ class TrilinosSystem : public LinearSystem {
     AssertThrow(m.ExtractCrsDataPointers(start, columns, values_) == 0, ExcInternalError());
     row_start_ = start;
     n_owned_ = unknowns_.owned.n_elements();
+    make_smoother(start, columns);
     for (const std::vector<unsigned>& nodes : unknowns_.cell_nodes) {
       first_place_.push_back(place_.size());
       for (const unsigned a : nodes) {
@@ -129,7 +168,7 @@ class TrilinosSystem : public LinearSystem {
               place_.push_back(0);
               continue;
             }
-            const int column = m.LCID(static_cast<int>(partitioner_.local_to_global(b + j)));
+            const int column = m.LCID(static_cast<int>(partitioner_->local_to_global(b + j)));
             const auto place =
                 std::lower_bound(columns + start[a], columns + start[a + 1], column) - columns - start[a];
             for (unsigned i = 0; i < 3; ++i) {
@@ -146,7 +185,7 @@ class TrilinosSystem : public LinearSystem {
     const std::size_t n = 3 * nodes.size();
     std::vector<types::global_dof_index> columns;
     for (unsigned b : nodes) {
-      for (unsigned j = 0; j < 3; ++j) columns.push_back(partitioner_.local_to_global(b + j));
+      for (unsigned j = 0; j < 3; ++j) columns.push_back(partitioner_->local_to_global(b + j));
     }
     for (std::size_t i = 0; i < 3; ++i) {
       matrix_.add(columns[3 * a + i], static_cast<unsigned>(n), columns.data(), K + (3 * a + i) * n, false,
@@ -155,10 +194,12 @@ class TrilinosSystem : public LinearSystem {
   }
 
   const Unknowns& unknowns_;
-  const Utilities::MPI::Partitioner partitioner_;  // made by all ranks together
+  const std::shared_ptr<const Utilities::MPI::Partitioner> partitioner_;  // made by all ranks together
   TrilinosWrappers::SparseMatrix matrix_;
   TrilinosWrappers::PreconditionAMG amg_;
   std::unique_ptr<Epetra_MultiVector> modes_;
+  Vector everybodys_;  // the smoother's x, with entries of other ranks
+  std::unique_ptr<Smoother> smoother_;
   std::size_t n_owned_ = 0;
   double* values_ = nullptr;
   const int* row_start_ = nullptr;

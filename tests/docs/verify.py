@@ -58,6 +58,8 @@ CLAIMS = {
               r"unit\.ElasticLaw\.TangentOfTheGrowingMuscle.*"),
         Claim("growth with any elastic law: for the neo-Hookean one the general formula is the closed form, to 1e-13",
               r"unit\.FibreGrowthOf\.TheNeoHookeanLawGivesTheClosedForm"),
+        Claim("two more growth laws, by a sensed stretch and across the fibre: one root for any step, the tangent is that of the step",
+              r"unit\.(SensedStretch|CrossFibreGrowth)\..*"),
         Claim("law 3 gives the values of two of 4C's regression tests, to 1e-12 and 1e-9", r"unit\.Ehret\..*Of4C"),
     ],
     "Time integration": [
@@ -90,9 +92,19 @@ CLAIMS = {
         Claim("in CalculiX, global Newton is quadratic", r"calculix\.Newton", " orders # to #", "orders {0-} to {1}"),
         Claim("the cylinder, half way along: λe is that of eq. 4 at its stretch, the force is that of the stress by hand",
               r"calculix\.Coarse", "lambda_e #, force # of itself", "λe within {0}, force within {1} of itself"),
+        Claim("UMAT, VUMAT, CalculiX's and MGIS's libraries, C API and C++ get the same numbers, with each elastic law, active and growing",
+              r"abi\.Hosts\.AgreeWithOneAnother", "hosts agree with one another: # at worst", "{0}"),
         Claim("CalculiX and deal.II agree on the same cylinder", r"mpi\.CalculiX", optional=True),
         Claim("on deal.II with MPI, 1, 2 and 3 ranks agree, also after a restart; Newton is quadratic; a homogeneous brick agrees with "
               "the library's point; nearly incompressible muscle does not lock", r"mpi\.(Ranks|Restart|Newton|Homogeneous|Locking)", optional=True),
+        Claim("a real muscle's solver: bricks of tetrahedra, hexahedra and wedges agree with the library's point; fibres converge; it does "
+              "not lock; 1, 2 and 3 ranks agree", r"muscle\.solver\.(Elements|Fibres|Locking|Ranks)", optional=True),
+        Claim("in FEniCSx, cube and cylinder agree with the one-element driver and with CalculiX; Newton is quadratic; two processes agree",
+              r"fenicsx\..*", "differences reaction # lambda_e_mean # G_mean #",
+              "against CalculiX: reaction {0}, mean λe {1}, mean G {2}", optional=True),
+        Claim("FEBio's plugin in a mock of the classes that it touches: stress, state and tangent are the law's", r"hosts\.Febio\..*"),
+        Claim("on Windows (mingw-w64, under Wine): the C API, the rows of 50 digits, SIMD packs and a corpus of hard calls",
+              r"windows\..*", optional=True),
         Claim("through MGIS each operator is the derivative of the step, in four hypotheses",
               r"hosts\.Mgis\.EveryOperatorIsTheDerivativeOfTheStep"),
         Claim("with the recipes for MOOSE, COMSOL, WARP3D and MFEM, in mock hosts that reproduce these codes' calling conventions, the "
