@@ -36,7 +36,8 @@ class Scope:
         self.name = name
         self.nodes = dict(other.nodes) if other else {}  # label to (x, y, z, place)
         self.elements = dict(other.elements) if other else {}  # label to (kind, labels, place)
-        self.sections = list(other.sections) if other else []  # (set, material, place)
+        self.sections = list(other.sections) if other else []  # (set, material, orientation, place)
+        self.axes = {kind: dict(other.axes[kind]) if other else {} for kind in ("ORIENTATION", "DISTRIBUTION")}  # name to card
         self.sets = {kind: {name: list(rows) for name, rows in (other.sets[kind].items() if other else ())}
                      for kind in ("NSET", "ELSET", "SURFACE")}
         self.move = None  # of an instance: (place, numbers) of its data lines
@@ -44,8 +45,8 @@ class Scope:
 
 
 class Deck:
-    def __init__(self, path):
-        self.raw = Raw(path)
+    def __init__(self, path, fibre=None):
+        self.raw, self.fibre = Raw(path), fibre  # the local axis that is the fibre: 1, 2 or 3
         self.top, self.parts, self.instances, self.unused = Scope(""), {}, {}, {}
         self.scope, self.inside = self.top, None
 
@@ -309,10 +310,103 @@ class Deck:
                 self.scope.sets["SURFACE"].setdefault(name, []).append((place, (fields + [""])[:2], None))
 
     def read_solid_section(self, card):
-        self.scope.sections.append((self.needed(card, "ELSET"), card.parameters.get("MATERIAL", "").upper(), card.place))
-        for name in ("ORIENTATION", "COMPOSITE"):
-            if name in card.parameters:
-                self.raw.notes.append(f"{self.where(card.place)}: {name} of *SOLID SECTION is not used")
+        orientation = card.parameters.get("ORIENTATION", "").upper()
+        self.scope.sections.append((self.needed(card, "ELSET"), card.parameters.get("MATERIAL", "").upper(), orientation, card.place))
+        if orientation and not self.fibre:
+            self.raw.notes.append(f"{self.where(card.place)}: ORIENTATION of *SOLID SECTION is not used: --fibre 1 (2, 3) takes its "
+                                  "local axis as the fibre")
+        if "COMPOSITE" in card.parameters:
+            self.raw.notes.append(f"{self.where(card.place)}: COMPOSITE of *SOLID SECTION is not used")
+
+    def read_axes(self, card):
+        name = self.needed(card, "NAME")
+        if name in self.scope.axes[card.keyword]:
+            self.fail(card.place, f"*{card.keyword}, NAME={name} is there already")
+        self.scope.axes[card.keyword][name] = card
+        if not self.fibre:
+            self.unused.setdefault(card.keyword, card.place)
+
+    read_orientation = read_distribution = read_axes
+
+    def read_distribution_table(self, card):
+        pass  # what its columns are, *ORIENTATION says as well
+
+    # ---- Fibres by *ORIENTATION
+
+    def axes(self, kind, scope, name, place):
+        for where in (scope, self.top):
+            if name in where.axes[kind]:
+                return where.axes[kind][name]
+        self.fail(place, f"there is no *{kind}, NAME={name}")
+
+    def basis(self, place, values, turn):
+        """(3, 3) local axes, a row each: the first to point a, the second to the side of b, from c; turned by `turn`,
+        (axis, degrees)."""
+        a, b, c = (np.array([*values, 0., 0., 0.][k:k + 3]) for k in (0, 3, 6))
+        normal = np.cross(a - c, b - c)
+        if not np.linalg.norm(normal) > 1e-12 * np.linalg.norm(a - c) * np.linalg.norm(b - c):
+            self.fail(place, "the points a and b of the local axes must not lie on one line with the origin")
+        e1, e3 = (v / np.linalg.norm(v) for v in (a - c, normal))
+        axes = np.array([e1, np.cross(e3, e1), e3])
+        k, i, j = (turn[0] - 1, turn[0] % 3, (turn[0] + 1) % 3)
+        x, y = math.cos(math.radians(turn[1])), math.sin(math.radians(turn[1]))
+        axes[[i, j]] = x * axes[i] + y * axes[j], x * axes[j] - y * axes[i]
+        return axes
+
+    def oriented(self, scope, name, place, cells):
+        """{cell: fibre} of a section's cells by its *ORIENTATION."""
+        card = self.axes("ORIENTATION", scope, name, place)
+        for parameter, allowed in (("SYSTEM", ("RECTANGULAR", "R")), ("DEFINITION", ("COORDINATES",)), ("LOCALDIRECTIONS", ("0",))):
+            given = card.parameters.get(parameter, allowed[0]).upper()
+            if given not in allowed:
+                self.fail(card.place, f"*ORIENTATION, NAME={name}, {parameter}={given}: only {allowed[0]} is read")
+        if not 1 <= len(card.data) <= 2:
+            self.fail(card.place, f"*ORIENTATION, NAME={name}: expected one or two lines of data")
+        turn = (1, 0.)
+        if len(card.data) == 2:
+            row, text = card.data[1]
+            axis, angle = (self.fields(text) + ["", ""])[:2]
+            turn = (self.whole(row, axis or "1", "the axis of a rotation"), self.number(row, angle, "degrees of a rotation"))
+            if turn[0] > 3:
+                self.fail(row, f"axis {turn[0]} of a rotation: expected 1, 2 or 3")
+        row, text = card.data[0]
+        given = self.fields(text)
+        if len(given) == 1 and not re.fullmatch(r"[-+.\d].*", given[0]):
+            values = self.distributed(scope, given[0].upper(), row, cells)
+        else:
+            values = dict.fromkeys(cells, (row, self.points_of_axes(row, given)))
+        made = {}  # rows that many cells share are worked out once
+        for c, (row, numbers) in values.items():
+            if (row, turn) not in made:
+                made[row, turn] = self.rotated(scope, self.basis(row, numbers, turn)[self.fibre - 1:self.fibre])[0]
+            values[c] = made[row, turn]
+        return values
+
+    def points_of_axes(self, row, given):
+        if len(given) not in (6, 9):
+            self.fail(row, f"{len(given)} numbers: expected six, of the points a and b of the local axes, or nine")
+        return [self.number(row, f, "a coordinate of the local axes") for f in given]
+
+    def distributed(self, scope, name, place, cells):
+        """{cell: (place, numbers)} by a *DISTRIBUTION."""
+        card = self.axes("DISTRIBUTION", scope, name, place)
+        where = card.parameters.get("LOCATION", "").upper()
+        if where != "ELEMENT":
+            self.fail(card.place, f"*DISTRIBUTION, NAME={name}, LOCATION={where or 'nothing'}: only ELEMENT is read")
+        wanted, found, default = set(cells), {}, None
+        for row, text in card.data:
+            who, *given = self.fields(text)
+            value = (row, self.points_of_axes(row, given))
+            if not who:
+                default = value
+            elif who.isascii() and who.isdigit():
+                found[self.one("ELSET", scope, int(who), row, f"distribution {name}")] = value
+            else:
+                found.update(dict.fromkeys(self.members("ELSET", scope, who.upper(), row), value))
+        missing = [self.raw.cells[c].label for c in cells if c not in found]
+        if missing and not default:
+            self.fail(card.place, f"*DISTRIBUTION, NAME={name}: has no row for elements {some(missing)}, and no default")
+        return {c: found.get(c, default) for c in wanted}
 
     # ---- One mesh of it
 
@@ -392,13 +486,19 @@ class Deck:
         if len(rows) > 1:
             place, v = rows[1]
             a, axis = v[:3], v[3:6] - v[:3]
-            length = np.linalg.norm(axis)
-            if not length > 0:
+            if not np.linalg.norm(axis) > 0:
                 self.fail(place, f"instance {scope.name}: the two points of its axis are one")
-            n, angle = axis / length, math.radians(v[6])
-            d = X - a
-            X = a + d * math.cos(angle) + np.cross(n, d) * math.sin(angle) + np.outer(d @ n, n) * (1 - math.cos(angle))
+            X = a + self.rotated(scope, X - a)
         return X
+
+    def rotated(self, scope, d):
+        """Vectors of an instance, turned as it is."""
+        rows = scope.move or []
+        if len(rows) < 2:
+            return d
+        v = rows[1][1]
+        n, angle = (v[3:6] - v[:3]) / np.linalg.norm(v[3:6] - v[:3]), math.radians(v[6])
+        return d * math.cos(angle) + np.cross(n, d) * math.sin(angle) + np.outer(d @ n, n) * (1 - math.cos(angle))
 
     def assemble(self):
         raw, scopes = self.raw, list(self.instances.values())
@@ -459,24 +559,34 @@ class Deck:
     def name_sections(self, scopes):
         """The section of every cell: that of *SOLID SECTION. Without such cards, left to the sets."""
         if not any(scope.sections for scope in scopes):
+            if self.fibre:
+                fail(self.raw.path, "--fibre: no *SOLID SECTION, and so no ORIENTATION")
             return
-        of, materials = {}, {}
+        of, materials, fibres = {}, {}, {}
         for scope in scopes:
-            for name, material, place in scope.sections:
+            for name, material, orientation, place in scope.sections:
                 section = material if GENERATED_NAME.fullmatch(name) and material else name
                 if materials.setdefault(section, material) != material:
                     section = f"{scope.name}.{section}" if scope.name else f"{section}.{material}"
-                for c in self.members("ELSET", scope, name, place):
+                cells = self.members("ELSET", scope, name, place)
+                for c in cells:
                     if c in of and of[c] != section:
                         self.fail(place, f"element {self.raw.cells[c].label} has a section already, {of[c]}")
                     of[c] = section
-        without = [cell.label for c, cell in enumerate(self.raw.cells) if c not in of]
-        if without:
-            fail(self.raw.path, f"elements without a *SOLID SECTION: {some(without)}")
-        self.raw.sections = [of[c] for c in range(len(self.raw.cells))]
+                if self.fibre and orientation:
+                    fibres.update(self.oriented(scope, orientation, place, cells))
+        every = range(len(self.raw.cells))
+        for table, what in ((of, "a *SOLID SECTION"), *([(fibres, "an ORIENTATION, which --fibre needs")] if self.fibre else [])):
+            without = [self.raw.cells[c].label for c in every if c not in table]
+            if without:
+                fail(self.raw.path, f"elements without {what}: {some(without)}")
+        self.raw.sections = [of[c] for c in every]
+        if self.fibre:
+            self.raw.fibres, self.raw.fibres_from = [fibres[c] for c in every], f"*ORIENTATION, axis {self.fibre}"
 
 
-def read(path):
-    deck = Deck(path)
+def read(path, fibre=None):
+    """The Raw of a deck. `fibre`: 1, 2 or 3, the local axis of *ORIENTATION that is the fibre."""
+    deck = Deck(path, fibre)
     deck.read()
     return deck.assemble()

@@ -569,12 +569,13 @@ def read_raw(path, names=None, region=None, fibre=None):
     suffix = pathlib.Path(path).suffix.lower()
     if suffix not in (".inp", ".msh", ".vtk", ".vtu"):
         fail(path, "expected a file .inp (Abaqus), .msh (Gmsh), .vtk or .vtu")
-    for option, value, fits in (("names", names, suffix != ".inp"), ("region", region, suffix in (".vtk", ".vtu")),
-                                ("fibre", fibre, suffix != ".inp")):
+    for option, value, fits in (("names", names, suffix != ".inp"), ("region", region, suffix in (".vtk", ".vtu"))):
         if value and not fits:
             fail(path, f"--{option} is not for {suffix} files")
     if suffix == ".inp":
-        return inp.read(path)
+        if fibre not in (None, "1", "2", "3"):
+            fail(path, f"--fibre {files.shown(fibre)}: of a deck, expected 1, 2 or 3, the axis of *ORIENTATION that is the fibre")
+        return inp.read(path, fibre and int(fibre))
     return fields.read_msh(path, names, fibre) if suffix == ".msh" else fields.read_meshio(path, names, region, fibre)
 
 
@@ -652,7 +653,8 @@ def add_options(p):
                    "times; nodes and elements get new numbers")
     p.add_argument("--names", metavar="N=NAME,...", help="names of Gmsh's groups without one, or of regions of a .vtk or .vtu")
     p.add_argument("--region", metavar="FIELD", help="the cell data of a .vtk or .vtu with the numbers of regions")
-    p.add_argument("--fibre", metavar="FIELD", help="the data of cells, or of points, with fibre directions")
+    p.add_argument("--fibre", metavar="FIELD", help="the data of cells, or of points, with fibre directions; of an Abaqus deck 1, 2 or 3, "
+                   "the axis of *ORIENTATION that is the fibre")
     fusiform.add_options(p)
 
 

@@ -198,6 +198,10 @@ class Text(Case):
         self.assertLess(np.abs(np.linalg.norm(n, axis=1) - 1).max(), 1e-10)
         orientation = (self.folder / "fibres_orientation.inp").read_text()
         self.assertEqual(orientation.count("\n"), len(rows) + 8)
+        deck = text.replace("MATERIAL=", "ORIENTATION=FIBRES, MATERIAL=").replace("*ELEMENT, ", orientation + "*ELEMENT, ", 1)
+        (self.folder / "oriented.inp").write_text(deck)
+        oriented = meshes.checked(meshes.read_raw(self.folder / "oriented.inp", fibre="1"), "mm")  # and so are the fibres
+        self.assertLess(np.abs(oriented.fibres - n).max(), 1e-9)
         self.assertTrue((self.folder / "fibres.vtu").is_file())
 
     def test_refused(self):

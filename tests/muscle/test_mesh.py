@@ -147,6 +147,38 @@ class Decks(Case):
         self.assertEqual(self.read(Bar().deck(element="ELSET=_PickedSet2", more=picked.replace(" muscle", "_muscle"))).sections,
                          ["RED_MUSCLE"])
 
+    SOLID = "*SOLID SECTION, ELSET=MUSCLE, MATERIAL=M, ORIENTATION=F\n"
+
+    def test_orientation(self):
+        """Local axes from points, with a turn about one of them, and element by element; an axis of them is the fibre."""
+        third = math.sqrt(0.75)
+        for axis, data, expected in (("1", "0., 0., 5., 0., 1., 0.\n", (0, 0, 1)), ("2", "0., 0., 5., 0., 3., 7.\n", (0, 1, 0)),
+                                     ("3", "0., 0., 5., 0., 3., 7.\n", (-1, 0, 0)), ("1", "2., 1., 1., 1., 3., 1., 1., 1., 1.\n", (1, 0, 0)),
+                                     ("1", "1., 0., 0., 0., 1., 0.\n3, 30.\n", (third, 0.5, 0)),
+                                     ("2", "1., 0., 0., 0., 1., 0.\n1, 30.\n", (0, third, 0.5)),
+                                     ("3", "1., 0., 0., 0., 1., 0.\n2, 30.\n", (0.5, 0, third))):
+            mesh = self.read(Bar().deck(more=self.SOLID + "*ORIENTATION, NAME=f\n" + data), fibre=axis)
+            self.assertLess(np.abs(mesh.fibres - expected).max(), 1e-15)
+            self.assertIn(f"fibres by *ORIENTATION, axis {axis}", mesh.notes)
+        table = ("*ORIENTATION, NAME=F, SYSTEM=RECTANGULAR\nrows\n3, 0.\n*DISTRIBUTION TABLE, NAME=T\nCOORD3D, COORD3D\n*ELSET, ELSET=FEW\n"
+                 "1, 2\n*DISTRIBUTION, NAME=ROWS, LOCATION=ELEMENT, TABLE=T\n, 0., 0., 1., 0., 1., 0.\n7, 0., 1., 0., 1., 0., 0.\n"
+                 "few, 1., 0., 0., 0., 1., 0.\n")
+        text = Bar().deck(more=self.SOLID + table)
+        mesh = self.read(text, fibre="1")
+        self.assertEqual(mesh.fibres.argmax(axis=1).tolist(), [0, 0, 2, 2, 2, 2, 1, *[2] * 17])
+        told = " ".join(self.read(text).notes)  # not asked for
+        self.assertIn("--fibre 1", told)
+        self.assertIn("*DISTRIBUTION", told)
+        for old, new, *words in ((", 0., 0., 1., 0., 1., 0.\n", "", "no row for elements 3, 4", "no default"), ("few,", "some,", "no ELSET SOME"),
+                                 ("\n7, 0., ", "\n99, 0., ", "element 99"), ("=ROWS", "=OTHER", "no *DISTRIBUTION, NAME=ROWS"),
+                                 ("=ELEMENT, T", "=NODE, T", "only ELEMENT"), ("NAME=F, SYSTEM=RECTANGULAR", "NAME=F, SYSTEM=CYLINDRICAL", "CYLINDRICAL"),
+                                 ("NAME=F, ", "NAME=G, ", "no *ORIENTATION, NAME=F"), ("7, 0., 1.", "7, 2., 0.", "one line"),
+                                 ("7, 0., 1., 0.,", "7, 0., 1.,", "5 numbers"), ("3, 0.\n", "4, 0.\n", "axis 4"),
+                                 (", ORIENTATION=F", "", "elements without an ORIENTATION", "1, 2"), (self.SOLID, "", "no *SOLID SECTION")):
+            self.assertIn(old, text)
+            self.refused(text.replace(old, new), *words, fibre="1")
+        self.refused(text, "expected 1, 2 or 3", fibre="f0")
+
 
 class Mixed(Case):
     """Elements of two kinds: where their faces fit, and refused where a quadrilateral lies on triangles."""
@@ -201,6 +233,12 @@ class Instances(Case):
         self.assertLess(np.abs(mesh.centroid("DISTAL") - (1.5, -2, 3.5)).max(), 1e-14)
         still = self.read(self.cae(bar, {"Bar-1": ""}, sets))
         self.assertEqual(meshes.neutral(still), meshes.neutral(self.read(bar.deck(more="*NSET, NSET=ENDS\n1,2,3,4\n"))))
+
+    def test_orientation_turns_along(self):
+        sets = "*Nset, nset=PROXIMAL, instance=A\nends\n*Nset, nset=DISTAL, instance=A\n17, 18, 19, 20\n"
+        text = self.cae(Bar(), {"A": "1., 2., 3.\n1., 2., 3., 2., 2., 3., 90.\n"}, sets).replace(
+            "*End Part", "*Orientation, name=F\n0., 0., 1., 0., 1., 0.\n*Solid Section, elset=MUSCLE, material=M, orientation=F\n*End Part")
+        self.assertLess(np.abs(self.read(text, fibre="1").fibres - (0, -1, 0)).max(), 1e-15)
 
     def test_sets_of_the_assembly(self):
         bar = Bar("hex8")
