@@ -1,25 +1,36 @@
-// A plugin of FEBio 4: the material `myogrowth fibre growth`, its plot variables and its log data. It goes
-// through the C API; README.md says how it is built and used.
+// A plugin of FEBio 4: two materials that grow, their plot variables and log data. README.md says how it is
+// built and used.
 #include <FEBioMech/FEElasticMaterial.h>
 #include <FECore/DumpStream.h>
+#include <FECore/FEAnalysis.h>
 #include <FECore/FECoreKernel.h>
 #include <FECore/FELogElemData.h>
+#include <FECore/FEMat3dValuator.h>
+#include <FECore/FEModel.h>
 #include <FECore/FEModelParam.h>
 #include <FECore/FEPlotData.h>
 #include <FECore/FESolidDomain.h>
+#include <FECore/FESolver.h>
 #include <FECore/FEVec3dValuator.h>
 #include <FECore/log.h>
 #include <FECore/version.h>
 #include <FECore/writeplot.h>
-#include <myogrowth.h>
+#include <myogrowth/elastic/fibre_growth_of.hpp>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
+#include <memory>
+
+#include "../../abi/faults.hpp"
 
 namespace {
 
-constexpr int n_statev = 8;  // G, lambda_e, lambda, J, Je, n0
-constexpr const char* names[] = {"sarcomere number", "elastic fibre stretch", "fibre stretch",
-                                 "total relative volume", "elastic relative volume"};
+using namespace myogrowth;
+
+enum Entry { G, lambda_e, lambda, J, Je, n_entries };
+constexpr const char* names[n_entries] = {"sarcomere number", "elastic fibre stretch", "fibre stretch",
+                                          "total relative volume", "elastic relative volume"};
 
 // What a point remembers. FEBio saves and restores it by Serialize, around steps that fail as well.
 class GrowthPoint : public FEMaterialPointData {
@@ -27,14 +38,12 @@ class GrowthPoint : public FEMaterialPointData {
   explicit GrowthPoint(FEMaterialPointData* next) : FEMaterialPointData(next) {}
   void Init() override {
     FEMaterialPointData::Init();
-    for (double& x : start) x = 0;  // not known yet: G = 1
-    for (int i = 0; i < n_statev; ++i) end[i] = i < 5 ? 1 : 0;
+    for (int i = 0; i < n_entries; ++i) start[i] = end[i] = 1;
   }
   // At the beginning of every step: the state in which the last one ended.
   void Update(const FETimeInfo& time) override {
     FEMaterialPointData::Update(time);
-    for (int i = 0; i < n_statev; ++i) start[i] = end[i];
-    for (int i = 5; i < n_statev; ++i) start[i] = 0;  // the fibre is that of the model
+    for (int i = 0; i < n_entries; ++i) start[i] = end[i];
   }
   FEMaterialPointData* Copy() override {
     GrowthPoint* copy = new GrowthPoint(*this);
@@ -47,101 +56,276 @@ class GrowthPoint : public FEMaterialPointData {
     for (double& x : end) stream& x;
   }
 
-  double start[n_statev], end[n_statev];
+  double start[n_entries], end[n_entries];
 };
 
-class MyogrowthFibreGrowth : public FEElasticMaterial {
+// Where a step begins, and to which F it goes.
+struct Step {
+  double F[9], n0[3], G, lambda, dt;
+};
+
+enum class Wanted { stress, modulus, energy, points };
+
+mat3ds symmetric(const double s[6]) { return mat3ds(s[0], s[1], s[2], s[3], s[5], s[4]); }
+
+// Parameters, state and conversions of both materials.
+class GrowingMaterial : public FEElasticMaterial {
  public:
-  explicit MyogrowthFibreGrowth(FEModel* model) : FEElasticMaterial(model) {
-    c1 = 16, c2 = 4, tau = 0.5, gamma = 2, G_max = 1.1, lambda_crit = 1.01;  // the paper's: kPa, days
+  explicit GrowingMaterial(FEModel* model) : FEElasticMaterial(model) {
+    FibreGrowth<double> defaults;
+    for (int i = 0; i < abi::n_props; ++i) {
+      if (const double* p = abi::parameter(defaults, i)) parameters[i] = *p;
+    }
   }
 
   FEMaterialPointData* CreateMaterialPointData() override {
     return new GrowthPoint(FEElasticMaterial::CreateMaterialPointData());
   }
 
-  mat3ds Stress(FEMaterialPoint& point) override {
-    Result r;
-    update(point, r, false);
-    return mat3ds(r.stress[0], r.stress[1], r.stress[2], r.stress[3], r.stress[5],
-                  r.stress[4]);  // xx yy zz xy yz xz
+  bool Init() override {
+    if (!FEElasticMaterial::Init()) return false;
+    FibreGrowth<double> constant;
+    for (int i = 0; i < abi::n_props; ++i) {
+      double* p = abi::parameter(constant, i);
+      if (p && parameters[i].isConst()) *p = parameters[i].constValue();
+    }
+    abi::Text why;
+    const bool bad = abi::find_material_fault(constant, why);
+    if (bad) feLogError("%s: %s", GetName().c_str(), why);
+    return !bad;
   }
 
-  double StrainEnergyDensity(FEMaterialPoint& point) override {
-    Result r;
-    update(point, r, false);
-    return r.psi;
+  mat3ds Stress(FEMaterialPoint& point) override { return symmetric(update(point, Wanted::stress).stress); }
+  double StrainEnergyDensity(FEMaterialPoint& point) override { return update(point, Wanted::energy).psi; }
+
+  // FEBio's own takes differences of the energy, growth included, which is no stress.
+  mat3ds SecantStress(FEMaterialPoint& point, bool second_piola) override {
+    const mat3ds s = Stress(point);
+    return second_piola ? point.ExtractData<FEElasticMaterialPoint>()->pull_back(s) : s;
   }
 
-  // Growth makes the tangent unsymmetric; FEBio's name for one that is.
-  bool UseSecantTangent() override { return true; }
-
-  // FEBio's modulus belongs to the Truesdell rate, DDSDDE to Jaumann's: c = DDSDDE - (d_ik s_jl + d_il s_jk +
-  // d_jk s_il
-  // + d_jl s_ik) / 2. In the material frame it is pulled back.
+  // Growth makes the tangent unsymmetric; this is FEBio's name for one that is. A symmetric stiffness would
+  // be its upper triangle, so there the symmetric part is given, by Tangent.
+  bool UseSecantTangent() override {
+    FEAnalysis* step = GetFEModel()->GetCurrentStep();
+    const FESolver* solver = step ? step->GetFESolver() : nullptr;
+    return !solver || solver->m_msymm != REAL_SYMMETRIC;
+  }
+  // In the material frame it is pulled back.
   tens4dmm SecantTangent(FEMaterialPoint& point, bool in_material_frame) override {
-    Result r;
-    update(point, r, true);
-    const mat3ds s(r.stress[0], r.stress[1], r.stress[2], r.stress[3], r.stress[5], r.stress[4]);
-    const int voigt[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
-    const auto d = [](int i, int j) { return i == j ? 0.5 : 0.0; };
+    const Result r = update(point, Wanted::modulus);
     tens4dmm c(0.0);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = i; j < 3; ++j) {
-        for (int k = 0; k < 3; ++k) {
-          for (int l = k; l < 3; ++l) {
-            c(i, j, k, l) = r.ddsdde[voigt[i][j] + 6 * voigt[k][l]] - d(i, k) * s(j, l) - d(i, l) * s(j, k) -
-                            d(j, k) * s(i, l) - d(j, l) * s(i, k);
-          }
-        }
+    for (int b = 0; b < 6; ++b) {
+      for (int a = 0; a < 6; ++a) {
+        c(symmetric_row(a), symmetric_column(a), symmetric_row(b), symmetric_column(b)) =
+            r.modulus[a + 6 * b];
       }
     }
     if (!in_material_frame) return c;
-    const FEElasticMaterialPoint& elastic = *point.ExtractData<FEElasticMaterialPoint>();
-    return c.pp(elastic.m_F.inverse()) * elastic.m_J;
+    const FEElasticMaterialPoint& whole = *point.ExtractData<FEElasticMaterialPoint>();
+    return c.pp(whole.m_F.inverse()) * whole.m_J;
   }
-  // The symmetric part, for what asks for no other.
   tens4ds Tangent(FEMaterialPoint& point) override { return SecantTangent(point, false).supersymm(); }
 
-  FEParamDouble c1, c2, tau, gamma, G_max, lambda_crit;
+  FEParamDouble parameters[abi::n_props];  // by their entries in PROPS
+  int energy = 0, integration = 0;
   FEVec3dValuator* fibre = nullptr;
 
+ protected:
+  // The law: what update_point gives, and the modulus of the Jaumann rate of tau if it is wanted.
+  virtual UpdateStatus take(const Step& step, const FibreGrowth<double>& growth, FEMaterialPoint& point,
+                            Wanted wanted, PointUpdate<double>& u, double c[36]) = 0;
+
+  bool begin(FEMaterialPoint& point, FibreGrowth<double>& growth, Step& step, abi::Text& why) {
+    for (int i = 0; i < abi::n_props; ++i) {
+      if (double* p = abi::parameter(growth, i)) *p = parameters[i](point);
+    }
+    growth.energy = energy ? EnergyPer::grown_volume : EnergyPer::reference_volume;
+    growth.integration = integration ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
+    const GrowthPoint& state = *point.ExtractData<GrowthPoint>();
+    const FEElasticMaterialPoint& whole = *point.ExtractData<FEElasticMaterialPoint>();
+    const vec3d n0 = GetLocalCS(point) * fibre->unitVector(point);
+    for (int i = 0; i < 9; ++i) step.F[i] = whole.m_F(i % 3, i / 3);
+    step.n0[0] = n0.x, step.n0[1] = n0.y, step.n0[2] = n0.z;
+    step.G = state.start[G], step.lambda = state.start[lambda], step.dt = CurrentTimeIncrement();
+    return !abi::find_material_fault(growth, why);
+  }
+
  private:
+  // FEBio's stress is Cauchy's, and its modulus belongs to the Truesdell rate.
   struct Result {
-    double stress[6], ddsdde[36], psi;
+    double stress[6], modulus[36], psi;
   };
 
-  void update(FEMaterialPoint& point, Result& r, bool with_tangent) {
-    const FEElasticMaterialPoint& elastic = *point.ExtractData<FEElasticMaterialPoint>();
-    GrowthPoint& growth = *point.ExtractData<GrowthPoint>();
-    const vec3d n0 = GetLocalCS(point) * fibre->unitVector(point);
-    const double props[] = {c1(point),          c2(point), tau(point), gamma(point), G_max(point),
-                            lambda_crit(point), n0.x,      n0.y,       n0.z};
-    double F[9];
-    for (int i = 0; i < 9; ++i) F[i] = elastic.m_F(i % 3, i / 3);
-    char why[200] = "";
-    const int status = myogrowth_update(props, 9, F, growth.start, growth.end, n_statev,
-                                        CurrentTimeIncrement(), MYOGROWTH_CAUCHY, r.stress,
-                                        with_tangent ? r.ddsdde : nullptr, &r.psi, why, sizeof why);
-    if (status == MYOGROWTH_OK) return;
+  Result update(FEMaterialPoint& point, Wanted wanted) {
+    FibreGrowth<double> growth;
+    Step step;
+    PointUpdate<double> u;
+    double c[36];
+    abi::Text why;
+    if (begin(point, growth, step, why)) {
+      const UpdateStatus status = take(step, growth, point, wanted, u, c);
+      if (status == UpdateStatus::ok) {
+        const double end[n_entries] = {u.G, u.lambda_e, u.lambda, u.J, u.Je};
+        std::copy(end, end + n_entries, point.ExtractData<GrowthPoint>()->end);
+        Result r;
+        cauchy_from_kirchhoff(u.J, u.tau, r.stress);
+        truesdell_from_jaumann(u.tau, c, r.modulus);
+        for (double& x : r.modulus) x /= u.J;
+        r.psi = u.psi;
+        return r;
+      }
+      abi::tell(why, "%s", abi::text(status));
+    }
     feLogError("%s: %s", GetName().c_str(), why);
     // Not a number: FEBio ends the step, and tries a shorter one.
-    for (double& x : r.stress) x = std::numeric_limits<double>::quiet_NaN();
-    for (double& x : r.ddsdde) x = std::numeric_limits<double>::quiet_NaN();
+    Result r;
+    std::fill_n(r.stress, 6, std::numeric_limits<double>::quiet_NaN());
+    std::fill_n(r.modulus, 36, std::numeric_limits<double>::quiet_NaN());
     r.psi = std::numeric_limits<double>::quiet_NaN();
+    return r;
   }
 
   DECLARE_FECORE_CLASS();
 };
 
-BEGIN_FECORE_CLASS(MyogrowthFibreGrowth, FEElasticMaterial)
-ADD_PARAMETER(c1, FE_RANGE_GREATER_OR_EQUAL(0.0), "c1");
-ADD_PARAMETER(c2, FE_RANGE_GREATER(0.0), "c2");
-ADD_PARAMETER(tau, FE_RANGE_GREATER(0.0), "tau");
-ADD_PARAMETER(gamma, FE_RANGE_GREATER_OR_EQUAL(0.0), "gamma");
-ADD_PARAMETER(G_max, FE_RANGE_GREATER(1.0), "G_max");
-ADD_PARAMETER(lambda_crit, FE_RANGE_GREATER(0.0), "lambda_crit");
+BEGIN_FECORE_CLASS(GrowingMaterial, FEElasticMaterial)
+FibreGrowth<double> material;
+for (int i = 2; i < abi::n_props; ++i) {  // but for c1 and c2
+  if (abi::parameter(material, i)) ADD_PARAMETER(parameters[i], abi::property(i).symbol);
+}
+ADD_PARAMETER(energy, FE_RANGE_CLOSED(0, 1), "energy");
+ADD_PARAMETER(integration, FE_RANGE_CLOSED(0, 1), "integration");
 ADD_PROPERTY(fibre, "fiber");
+ADD_PROPERTY(m_Q, "mat_axis")->SetFlags(FEProperty::Optional);
+END_FECORE_CLASS();
+
+// Eq. 3's muscle, by its closed form.
+class MyogrowthFibreGrowth : public GrowingMaterial {
+ public:
+  using GrowingMaterial::GrowingMaterial;
+
+ private:
+  UpdateStatus take(const Step& s, const FibreGrowth<double>& growth, FEMaterialPoint&, Wanted,
+                    PointUpdate<double>& u, double c[36]) override {
+    update_point(growth, s.F, s.n0, s.G, s.lambda, s.dt, u);
+    spatial_modulus(u, c);
+    return u.status;
+  }
+  DECLARE_FECORE_CLASS();
+};
+
+BEGIN_FECORE_CLASS(MyogrowthFibreGrowth, GrowingMaterial)
+ADD_PARAMETER(parameters[0], abi::property(0).symbol);
+ADD_PARAMETER(parameters[1], abi::property(1).symbol);
+END_FECORE_CLASS();
+
+// A material of FEBio at a point, as an elastic law of the library (elastic/response.hpp). FEBio's materials
+// take the deformation from the point; so while one is asked, the point has that of the elastic part.
+struct FEBioLaw {
+  FEElasticMaterial* material;
+  FEMaterialPoint* point;
+  const Step* step;
+  Wanted wanted;
+  const FETimeInfo* time;  // with Wanted::points
+
+  struct Kept {  // and has its own back at the end, whatever happens
+    FEElasticMaterialPoint& place;
+    mat3d F, L;
+    double J;
+    mat3ds s;
+    explicit Kept(FEElasticMaterialPoint& p) : place(p), F(p.m_F), L(p.m_L), J(p.m_J), s(p.m_s) {}
+    Kept(const Kept&) = delete;
+    ~Kept() { place.m_F = F, place.m_L = L, place.m_J = J, place.m_s = s; }
+  };
+
+  void evaluate(const double Fe[9], const double n0[3], const double&, ElasticResponse<double>& out) const {
+    FEElasticMaterialPoint& place = *point->ExtractData<FEElasticMaterialPoint>();
+    const Kept whole(place);
+    for (int i = 0; i < 9; ++i) place.m_F(i % 3, i / 3) = Fe[i];
+    place.m_J = determinant(Fe);
+    // The rate, for viscous materials. FEBio's is (F - F_n) F^-1 / dt.
+    if (step->dt > 0) {
+      const vec3d n(n0[0], n0[1], n0[2]);
+      const mat3d F_n = whole.F - whole.L * whole.F * step->dt;
+      const mat3d Fe_n = F_n + (F_n * n & n) * (1 / step->G - 1);
+      place.m_L = (place.m_F - Fe_n) * place.m_F.inverse() * (1 / step->dt);
+    }
+
+    out = ElasticResponse<double>{};
+    if (wanted == Wanted::points) return material->UpdateSpecializedMaterialPoints(*point, *time);
+    const mat3ds s = place.m_s = material->Stress(*point);
+    if (wanted == Wanted::energy) out.psi = material->StrainEnergyDensity(*point);
+    for (int a = 0; a < 6; ++a) out.tau[a] = place.m_J * s(symmetric_row(a), symmetric_column(a));
+    if (wanted != Wanted::modulus) return;
+    const tens4dmm modulus = material->SolidTangent(*point);
+    double c[36];
+    for (int b = 0; b < 6; ++b) {
+      for (int a = 0; a < 6; ++a) {
+        c[a + 6 * b] =
+            place.m_J * modulus(symmetric_row(a), symmetric_column(a), symmetric_row(b), symmetric_column(b));
+      }
+    }
+    jaumann_from_truesdell(out.tau, c, out.c);
+  }
+};
+
+// Growth of any elastic material of FEBio.
+class MyogrowthKinematicGrowth : public GrowingMaterial {
+ public:
+  using GrowingMaterial::GrowingMaterial;
+
+  FEMaterialPointData* CreateMaterialPointData() override {
+    return new GrowthPoint(elastic->CreateMaterialPointData());
+  }
+
+  bool Init() override {
+    const auto refuse = [&](const char* why) {
+      feLogError("%s: <elastic type=\"%s\">: %s", GetName().c_str(), elastic->GetTypeStr(), why);
+      return false;
+    };
+    for (const char* of_own : {"remodeling solid", "micro-material", "micro-material2O", "mindlin elastic"}) {
+      if (std::strcmp(elastic->GetTypeStr(), of_own) == 0)
+        return refuse("its elements are FEBio's own for it, so it cannot be part of a material.");
+    }
+    const std::unique_ptr<FEMaterialPointData> data(elastic->CreateMaterialPointData());
+    if (data->ExtractData<GrowthPoint>()) return refuse("it or a part of it grows by myogrowth already.");
+    if (!data->ExtractData<FEElasticMaterialPoint>())
+      return refuse("its points have no deformation of their own.");
+    return GrowingMaterial::Init();
+  }
+
+  // For materials that prepare their points before they are asked for a stress.
+  void UpdateSpecializedMaterialPoints(FEMaterialPoint& point, const FETimeInfo& time) override {
+    FibreGrowth<double> growth;
+    Step step;
+    ElasticPointUpdate<double> u;
+    abi::Text why;
+    if (!begin(point, growth, step, why)) return;  // the stress, which is asked for next, tells why
+    update_point(of(growth, FEBioLaw{elastic, &point, &step, Wanted::points, &time}), step.F, step.n0, step.G,
+                 step.lambda, step.dt, u);
+  }
+
+  FEElasticMaterial* elastic = nullptr;
+
+ private:
+  static FibreGrowthOf<FEBioLaw> of(const FibreGrowth<double>& g, const FEBioLaw& law) {
+    return {law, g.growth, g.removal, g.energy, g.integration};
+  }
+  UpdateStatus take(const Step& s, const FibreGrowth<double>& growth, FEMaterialPoint& point, Wanted wanted,
+                    PointUpdate<double>& u, double c[36]) override {
+    ElasticPointUpdate<double> all;
+    update_point(of(growth, FEBioLaw{elastic, &point, &s, wanted, nullptr}), s.F, s.n0, s.G, s.lambda, s.dt,
+                 all);
+    spatial_modulus(all, c);
+    u = all;
+    return u.status;
+  }
+  DECLARE_FECORE_CLASS();
+};
+
+BEGIN_FECORE_CLASS(MyogrowthKinematicGrowth, GrowingMaterial)
+ADD_PROPERTY(elastic, "elastic");
 END_FECORE_CLASS();
 
 template <int entry>
@@ -189,9 +373,10 @@ extern "C" FECORE_EXPORT unsigned int GetSDKVersion() { return FE_SDK_VERSION; }
 extern "C" FECORE_EXPORT void PluginInitialize(FECoreKernel& kernel) {
   FECoreKernel::SetInstance(&kernel);
   REGISTER_FECORE_CLASS(MyogrowthFibreGrowth, "myogrowth fibre growth");
-  register_state<0>();
-  register_state<1>();
-  register_state<2>();
-  register_state<3>();
-  register_state<4>();
+  REGISTER_FECORE_CLASS(MyogrowthKinematicGrowth, "myogrowth kinematic growth");
+  register_state<G>();
+  register_state<lambda_e>();
+  register_state<lambda>();
+  register_state<J>();
+  register_state<Je>();
 }

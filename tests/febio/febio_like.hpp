@@ -1,6 +1,6 @@
 // A stand-in for the few classes of FEBio 4 that examples/febio/plugin.cpp uses, by FEBio's names and
 // conventions: order xx yy zz xy yz xz in the constructor of mat3ds, a modulus with minor symmetries, states
-// that are saved and restored by one and the same function.
+// that are saved and restored by one and the same function, materials within materials.
 #ifndef MYOGROWTH_TESTS_FEBIO_LIKE_HPP
 #define MYOGROWTH_TESTS_FEBIO_LIKE_HPP
 
@@ -18,7 +18,9 @@
 #define FE_SDK_VERSION 0x040b00u
 
 struct vec3d {
-  double x = 0, y = 0, z = 0;
+  double x, y, z;
+  vec3d() : vec3d(0, 0, 0) {}
+  vec3d(double x_, double y_, double z_) : x(x_), y(y_), z(z_) {}
   vec3d Normalized() const {
     const double r = std::sqrt(x * x + y * y + z * z);
     return {x / r, y / r, z / r};
@@ -29,6 +31,21 @@ struct mat3d {
   double a[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   double& operator()(int i, int j) { return a[i][j]; }
   double operator()(int i, int j) const { return a[i][j]; }
+  mat3d operator*(const mat3d& m) const {
+    mat3d r;
+    for (int i = 0; i < 9; ++i) {
+      r.a[i / 3][i % 3] = a[i / 3][0] * m(0, i % 3) + a[i / 3][1] * m(1, i % 3) + a[i / 3][2] * m(2, i % 3);
+    }
+    return r;
+  }
+  mat3d operator*(double f) const { return with(mat3d(), f, 0); }
+  mat3d operator+(const mat3d& m) const { return with(m, 1, 1); }
+  mat3d operator-(const mat3d& m) const { return with(m, 1, -1); }
+  mat3d with(const mat3d& m, double f, double g) const {
+    mat3d r;
+    for (int i = 0; i < 9; ++i) r.a[i / 3][i % 3] = f * a[i / 3][i % 3] + g * m(i / 3, i % 3);
+    return r;
+  }
   double det() const {
     return a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1]) -
            a[0][1] * (a[1][0] * a[2][2] - a[1][2] * a[2][0]) +
@@ -50,17 +67,30 @@ inline vec3d operator*(const mat3d& m, const vec3d& v) {
           m(2, 0) * v.x + m(2, 1) * v.y + m(2, 2) * v.z};
 }
 
+inline mat3d operator&(const vec3d& u, const vec3d& v) {
+  mat3d r;
+  const double a[3] = {u.x, u.y, u.z}, b[3] = {v.x, v.y, v.z};
+  for (int i = 0; i < 9; ++i) r.a[i / 3][i % 3] = a[i / 3] * b[i % 3];
+  return r;
+}
+
 struct mat3ds {
   double s[3][3];
+  mat3ds() : mat3ds(0, 0, 0, 0, 0, 0) {}
   mat3ds(double xx, double yy, double zz, double xy, double yz, double xz)
       : s{{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}} {}
   double operator()(int i, int j) const { return s[i][j]; }
 };
 
-struct tens4ds {};
+struct tens4ds {
+  double d[6][6];
+};
 
 struct tens4dmm {
   double d[6][6];
+  tens4dmm(const tens4ds& c) {  // NOLINT: as FEBio's
+    for (int i = 0; i < 36; ++i) d[i / 6][i % 6] = c.d[i / 6][i % 6];
+  }
   explicit tens4dmm(double x) {
     for (auto& row : d) {
       for (double& y : row) y = x;
@@ -93,7 +123,11 @@ struct tens4dmm {
     }
     return r;
   }
-  tens4ds supersymm() const { return {}; }
+  tens4ds supersymm() const {
+    tens4ds c;
+    for (int i = 0; i < 36; ++i) c.d[i / 6][i % 6] = (d[i / 6][i % 6] + d[i % 6][i / 6]) / 2;
+    return c;
+  }
 };
 
 struct FETimeInfo {
@@ -121,6 +155,13 @@ class FEMaterialPointData {
   explicit FEMaterialPointData(FEMaterialPointData* next = nullptr) : m_pNext(next) {}
   FEMaterialPointData(const FEMaterialPointData& other) = default;
   virtual ~FEMaterialPointData() { delete m_pNext; }
+  template <class T>
+  T* ExtractData() {
+    for (FEMaterialPointData* d = this; d; d = d->m_pNext) {
+      if (T* found = dynamic_cast<T*>(d)) return found;
+    }
+    return nullptr;
+  }
   virtual void Init() {
     if (m_pNext) m_pNext->Init();
   }
@@ -136,8 +177,20 @@ class FEMaterialPointData {
 
 class FEElasticMaterialPoint : public FEMaterialPointData {
  public:
-  mat3d m_F;
+  mat3d m_F, m_L;
   double m_J = 1;
+  mat3ds m_s;
+  mat3ds pull_back(const mat3ds& s) const {  // J F^-1 s F^-T
+    const mat3d I = m_F.inverse();
+    mat3d t, r;
+    for (int i = 0; i < 9; ++i) t(i / 3, i % 3) = s(i / 3, i % 3);
+    t = I * t;
+    for (int i = 0; i < 9; ++i) {
+      r(i / 3, i % 3) = 0;
+      for (int k = 0; k < 3; ++k) r(i / 3, i % 3) += m_J * t(i / 3, k) * I(i % 3, k);
+    }
+    return mat3ds(r(0, 0), r(1, 1), r(2, 2), r(0, 1), r(1, 2), r(0, 2));
+  }
   FEMaterialPointData* Copy() override { return new FEElasticMaterialPoint(*this); }
 };
 
@@ -146,10 +199,7 @@ class FEMaterialPoint {
   explicit FEMaterialPoint(FEMaterialPointData* data) : data_(data) { data_->Init(); }
   template <class T>
   T* ExtractData() const {
-    for (FEMaterialPointData* d = data_.get(); d; d = d->m_pNext) {
-      if (T* found = dynamic_cast<T*>(d)) return found;
-    }
-    return nullptr;
+    return data_->ExtractData<T>();
   }
   void Update(const FETimeInfo& time) { data_->Update(time); }
   void Serialize(DumpStream& stream) { data_->Serialize(stream); }
@@ -158,11 +208,24 @@ class FEMaterialPoint {
   std::unique_ptr<FEMaterialPointData> data_;
 };
 
+enum Matrix_Type { REAL_UNSYMMETRIC, REAL_SYMMETRIC };
+struct FESolver {
+  int m_msymm = REAL_UNSYMMETRIC;  // <symmetric_stiffness>
+};
+struct FEAnalysis {
+  FESolver solver;
+  FESolver* GetFESolver() { return &solver; }
+};
+
+class FEElasticMaterial;
 struct FEModel {
+  FEAnalysis step;
+  FEAnalysis* GetCurrentStep() { return &step; }
   double increment = 0;
   mat3d axes;
   vec3d fibre{1, 0, 0};
-  std::map<std::string, double> parameters;  // as a user gives them
+  std::map<std::string, double> parameters;             // as a user gives them
+  std::function<FEElasticMaterial*(FEModel*)> elastic;  // likewise
   std::string errors;
 };
 
@@ -172,7 +235,11 @@ struct FEParamDouble {
     value = x;
     return *this;
   }
-  double operator()(const FEMaterialPoint&) const { return value; }
+  double operator()(const FEMaterialPoint&) const { return is_map ? at_points : value; }
+  bool is_map = false;
+  double at_points = 0;
+  bool isConst() const { return !is_map; }
+  double constValue() const { return value; }
 };
 
 class FEVec3dValuator {
@@ -184,6 +251,12 @@ class FEVec3dValuator {
   FEModel* model_;
 };
 
+class FEMat3dValuator;  // <mat_axis>
+struct FEProperty {
+  enum { Required, Optional };
+  FEProperty* SetFlags(unsigned) { return this; }
+};
+
 class FECoreBase {
  public:
   explicit FECoreBase(FEModel* model) : model_(model) {}
@@ -192,28 +265,51 @@ class FECoreBase {
   std::string GetName() const { return "muscle"; }
   static int superClassID() { return 1; }
   static const char* BaseClassName() { return "base"; }
+  virtual const char* GetTypeStr() { return "of a test"; }
+  virtual bool Init() { return true; }
 
  protected:
-  void take(const char* name, FEParamDouble& parameter, double least, bool with_least) {
+  void AddParameter(FEParamDouble& parameter, const char* name) {
     const auto given = model_->parameters.find(name);
     if (given != model_->parameters.end()) parameter = given->second;
-    if (!(parameter.value > least || (with_least && parameter.value >= least))) throw std::out_of_range(name);
   }
+  struct Range {
+    int from, to;
+  };
+  void AddParameter(int& parameter, Range range, const char* name) {
+    const auto given = model_->parameters.find(name);
+    if (given != model_->parameters.end()) parameter = static_cast<int>(given->second);
+    if (parameter < range.from || parameter > range.to) throw std::out_of_range(name);
+  }
+  FEProperty* add_property(FEVec3dValuator*& property, const char*) {
+    made_.push_back(std::make_shared<FEVec3dValuator>(model_));
+    property = static_cast<FEVec3dValuator*>(made_.back().get());
+    return &property_;
+  }
+  FEProperty* add_property(FEMat3dValuator*&, const char* name) {
+    has_axes = std::string(name) == "mat_axis";
+    return &property_;
+  }
+  FEProperty* add_property(FEElasticMaterial*& property, const char*);
+  bool has_axes = false;
+  FEProperty property_;
   FEModel* model_;
+  std::vector<std::shared_ptr<void>> made_;  // its properties
 };
 
 #define DECLARE_FECORE_CLASS() \
  public:                       \
   void BuildParamList()
-#define BEGIN_FECORE_CLASS(Class, Base) void Class::BuildParamList() {
+#define BEGIN_FECORE_CLASS(Class, Base) \
+  void Class::BuildParamList() {        \
+    Base::BuildParamList();
 #define END_FECORE_CLASS() }
-#define ADD_PARAMETER(parameter, range, name) take(name, parameter, range)
-#define ADD_PROPERTY(property, name) property = new FEVec3dValuator(model_)
-#define FE_RANGE_GREATER(x) x, false
-#define FE_RANGE_GREATER_OR_EQUAL(x) x, true
+#define ADD_PARAMETER(...) AddParameter(__VA_ARGS__)
+#define ADD_PROPERTY(property, name) add_property(property, name)
+#define FE_RANGE_CLOSED(from, to) (Range{from, to})
 #define feLogError(...)                            \
   do {                                             \
-    char line[400];                                \
+    char line[1000];                               \
     std::snprintf(line, sizeof line, __VA_ARGS__); \
     GetFEModel()->errors = line;                   \
   } while (false)
@@ -224,15 +320,30 @@ class FEElasticMaterial : public FECoreBase {
   virtual FEMaterialPointData* CreateMaterialPointData() { return new FEElasticMaterialPoint; }
   virtual mat3ds Stress(FEMaterialPoint&) = 0;
   virtual tens4ds Tangent(FEMaterialPoint&) = 0;
-  virtual tens4dmm SecantTangent(FEMaterialPoint&, bool in_material_frame = false) = 0;
+  virtual tens4dmm SecantTangent(FEMaterialPoint&, bool /*in_material_frame*/ = false) {
+    return tens4dmm(0.0);
+  }
   virtual bool UseSecantTangent() { return false; }
-  virtual double StrainEnergyDensity(FEMaterialPoint&) = 0;
+  tens4dmm SolidTangent(FEMaterialPoint& p) { return UseSecantTangent() ? SecantTangent(p) : Tangent(p); }
+  virtual mat3ds SecantStress(FEMaterialPoint&, bool /*second_piola*/ = false) { return {}; }
+  virtual double StrainEnergyDensity(FEMaterialPoint&) { return 0; }
+  virtual void UpdateSpecializedMaterialPoints(FEMaterialPoint&, const FETimeInfo&) {}
   virtual void BuildParamList() {}
 
  protected:
   double CurrentTimeIncrement() const { return model_->increment; }
-  mat3d GetLocalCS(const FEMaterialPoint&) const { return model_->axes; }
+  // A material that has no <mat_axis> turns nothing.
+  mat3d GetLocalCS(const FEMaterialPoint&) const { return has_axes ? model_->axes : mat3d(); }
+  FEMat3dValuator* m_Q = nullptr;
 };
+
+inline FEProperty* FECoreBase::add_property(FEElasticMaterial*& property, const char*) {
+  const std::shared_ptr<FEElasticMaterial> elastic(model_->elastic(model_));
+  elastic->BuildParamList();
+  made_.push_back(elastic);
+  property = elastic.get();
+  return &property_;
+}
 
 struct FEElement {
   std::vector<FEMaterialPoint*> points;
