@@ -2,6 +2,7 @@
 module boundary
   use, intrinsic :: iso_fortran_env, only: dp => real64
   use element, only: brick, corner, n_nodes, n_dofs
+  use lapack, only: dsyev
   use input, only: settings, face_control, table_value, control_displacement, control_traction, face_names, axis_names
   use text, only: str, stop_run, status_input
   implicit none
@@ -16,17 +17,6 @@ module boundary
   contains
     procedure :: displacements, forces, next_knot
   end type boundary_conditions
-
-  interface
-    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
-      import :: dp
-      character(len=1), intent(in) :: jobz, uplo
-      integer, intent(in) :: n, lda, lwork
-      real(dp), intent(inout) :: a(lda, *)
-      real(dp), intent(out) :: w(*), work(*)
-      integer, intent(out) :: info
-    end subroutine dsyev
-  end interface
 
 contains
 

@@ -4,22 +4,12 @@
 module myogrowth_abaqus
   use, intrinsic :: iso_fortran_env, only: dp => real64, error_unit
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+  use lapack, only: dsyev
   implicit none
   private
   public :: full, components, principal, give, say_and_stop, dp, job_folder, job_name
 
   character(len=:), allocatable :: job_folder, job_name
-
-  interface
-    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
-      import :: dp
-      character(len=1), intent(in) :: jobz, uplo
-      integer, intent(in) :: n, lda, lwork
-      real(dp), intent(inout) :: a(lda, *)
-      real(dp), intent(out) :: w(*), work(*)
-      integer, intent(out) :: info
-    end subroutine dsyev
-  end interface
 
 contains
 

@@ -15,14 +15,6 @@
 
 #include "growth_step.hpp"
 
-// The masks of numbers are bool; & and | serve them and the masks of packs.
-#if defined(__clang__)
-#pragma clang diagnostic push
-#if __has_warning("-Wbitwise-instead-of-logical")
-#pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
-#endif
-#endif
-
 namespace myogrowth {
 namespace detail {
 
@@ -164,12 +156,16 @@ struct FlowResult {
   int iterations;
 };
 
-/// A number that Newton's method left: the panel it ends in, and there Newton's method in a bracket.
+/// The lanes that Newton's method left: a pack leaves them to its caller. A number goes on to the panel it
+/// ends in, and there by Newton's method in a bracket.
 /// @{
+template <class T, class V, int sign>
+MYOGROWTH_FUNCTION void find_in_bracket(const Flow<T, V, sign>&, V, FlowProgress<T>&, int&) {}
 template <class V, int sign>
 MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void find_in_bracket(const Flow<V, V, sign>& flow, V panel,
                                                            FlowProgress<V>& p, int& iterations) {
   constexpr int most_panels = 200000;  // more than there are
+  if (!p.left) return;
   p.left = false;
   if (!is_finite(flow.a)) p.ended = true;  // (dt, or a gamma so large that k_g(G_n) is infinite)
   if (!p.ended) p = pass_panels(flow, panel, p, true, most_panels, iterations);
@@ -190,13 +186,6 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void find_in_bracket(const Flow<V, V, sign
   p.sensitivity = start + flow.integrate(gauss_rule<V>(), p.u, p.y).sensitivity;
   if (!is_finite(p.sensitivity)) p.ended = true;  // so near the end that 1/kappa is infinite
 }
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>& flow, V panel, FlowProgress<T>& p, int& iterations,
-                              std::true_type) {
-  if (p.left) find_in_bracket(flow, panel, p, iterations);
-}
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION void go_on(const Flow<T, V, sign>&, V, FlowProgress<T>&, int&, std::false_type) {}
 /// @}
 
 template <class T, class V, int sign>
@@ -246,7 +235,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, La
   }
   p.left = p.left | active;
   p.sensitivity = select(p.left, before, p.sensitivity);
-  go_on(flow, panel, p, iterations, std::is_same<T, V>());
+  find_in_bracket(flow, panel, p, iterations);
 
   const T y = select(p.left | p.ended, zero, p.y);
   const T u = p.u - y;
@@ -260,23 +249,20 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, La
           select(p.ended, zero, T(speed * G_n / q_n)), p.left, iterations};
 }
 
-/// A number of the scalar's own kind from a value and its derivatives.
+/// The flow of a number, or of one that carries derivatives.
 /// @{
-template <class T, class V>
-MYOGROWTH_FUNCTION T carried(const FlowResult<V>& r, const T& G_n, const T& lambda, std::false_type) {
-  return T(r.G) + r.dG_dlambda * (lambda - value(lambda)) + r.dG_dG_n * (G_n - value(G_n));
+template <class V, int sign>
+MYOGROWTH_FUNCTION GrowthStep<V> flow_of(const Branch<V, sign>& b, const V& G_n, const V& lambda, V dt) {
+  const FlowResult<V> r = follow<V>(b, true, G_n, lambda, dt);
+  return {r.G, r.dG_dlambda, r.iterations};
 }
-template <class T, class V>
-MYOGROWTH_FUNCTION T carried(const FlowResult<V>& r, const T&, const T&, std::true_type) {
-  return r.G;
-}
-/// @}
-
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION GrowthStep<T> flow_of(const Branch<V, sign>& b, const T& G_n, const T& lambda, V dt) {
   const FlowResult<V> r = follow<V>(b, true, value(G_n), value(lambda), dt);
-  return {carried(r, G_n, lambda, std::is_same<T, V>()), T(r.dG_dlambda), r.iterations};
+  const T G = T(r.G) + r.dG_dlambda * (lambda - value(lambda)) + r.dG_dG_n * (G_n - value(G_n));
+  return {G, T(r.dG_dlambda), r.iterations};
 }
+/// @}
 
 }  // namespace detail
 
@@ -319,9 +305,5 @@ MYOGROWTH_FUNCTION V time_error_of_midpoint_flow(const GrowthRate<V>& growth, co
 /// @}
 
 }  // namespace myogrowth
-
-#if defined(__clang__)
-#pragma clang diagnostic pop
-#endif
 
 #endif

@@ -53,12 +53,6 @@ struct GrowthRate {
     return Product<T, P>(lambda_e - lambda_crit);
   }
 
-  /// dphi_g/dlambda_e [-]: 1 above the threshold, 0 at and below it.
-  template <class T>
-  MYOGROWTH_FUNCTION Product<T, P> dcriterion_dlambda_e(const T& lambda_e) const {
-    return Product<T, P>(value(lambda_e) > value(lambda_crit) ? 1 : 0);
-  }
-
   /// Growth rate dG/dt at sarcomere number G under the total fibre stretch lambda [1/time].
   template <class T>
   MYOGROWTH_FUNCTION Product<T, P> rate(const T& G, const T& lambda) const {

@@ -19,21 +19,14 @@
 /// method does the rest: for gamma >= 1 it climbs to the root from one side; for 0 < gamma < 1 it does so in
 /// the variable (1 - y)^gamma; for gamma = 0 the equation is quadratic (docs/theory.md has the proofs).
 ///
-/// One text serves numbers and SIMD packs (many/pack.hpp), whose comparisons give one answer a lane.
+/// One text serves numbers and SIMD packs (many/pack.hpp), whose comparisons give one answer a lane: & and |
+/// combine the answers of both.
 #ifndef MYOGROWTH_GROWTH_STEP_HPP
 #define MYOGROWTH_GROWTH_STEP_HPP
 
 #include <limits>
 
 #include "growth_rate.hpp"
-
-// The masks of numbers are bool; & and | serve them and the masks of packs.
-#if defined(__clang__)
-#pragma clang diagnostic push
-#if __has_warning("-Wbitwise-instead-of-logical")
-#pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
-#endif
-#endif
 
 namespace myogrowth {
 
@@ -122,172 +115,138 @@ MYOGROWTH_FUNCTION Branch<P, -1> branch_of(const GrowthRate<P>& growth, const Re
 template <class T, class P>
 MYOGROWTH_FUNCTION LaneMask<T> grows(const GrowthRate<P>& growth, const T& G_n, const T& lambda,
                                      const T& dt) {
-  const T zero(Real<T>(0));
-  return (dt > zero) & (lambda > T(value(growth.lambda_crit)) * G_n) & (G_n < T(value(growth.G_max)));
+  const T zero(Real<T>(0)), crit(value(growth.lambda_crit)), limit(value(growth.G_max));
+  return (dt > zero) & (lambda > crit * G_n) & (G_n < limit);
 }
 template <class T, class P>
 MYOGROWTH_FUNCTION LaneMask<T> shrinks(const RemovalRate<P>& removal, const T& G_n, const T& lambda,
                                        const T& dt) {
-  const T zero(Real<T>(0));
-  return (T(value(removal.tau_rev)) > zero) & (dt > zero) &
-         (lambda < T(value(removal.lambda_crit_rev)) * G_n) & (G_n > T(value(removal.G_min)));
+  const T zero(Real<T>(0)), tau(value(removal.tau_rev)), crit(value(removal.lambda_crit_rev)),
+      limit(value(removal.G_min));
+  return (tau > zero) & (dt > zero) & (lambda < crit * G_n) & (G_n > limit);
 }
 /// @}
 
-/// The equation of a step in y (above).
-template <class T>
+/// The equation of a step in y (above). A lane that does not move has A = 0, and y = 0.
+template <class T, class P, int sign>
 struct StepEquation {
+  const Branch<P, sign>& b;
+  T G_n, lambda;
   T r, per_r, alpha, Q, A, E;
   LaneMask<T> out_of_range;  ///< lanes of a pack whose 1/a its fast division cannot take
-};
 
-template <class T, class P, int sign>
-MYOGROWTH_FUNCTION StepEquation<T> equation_of(const Branch<P, sign>& b, const T& r, const T& G_n,
-                                               const T& lambda, const T& dt) {
-  const T one(Real<T>(1)), per_r = one / r;
-  const T a = dt * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
-  StepEquation<T> eq{r,
-                     per_r,
-                     G_n * per_r,
-                     b.ahead(lambda, T(T(b.crit) * G_n)) * per_r,
-                     a * per_r,
-                     one,
-                     deciding(one) < deciding(one)};
-  const auto steep = deciding(a) > deciding(one);
-  if (any(steep)) {
-    eq.E = one / rounded(select(steep, a, one));
-    eq.A = select(steep, per_r, eq.A);
-    eq.out_of_range = beyond_reciprocals(eq.E);
+  MYOGROWTH_FUNCTION StepEquation(const Branch<P, sign>& branch, const LaneMask<T>& moves, const T& G_n_,
+                                  const T& lambda_, const T& dt)
+      : b(branch), G_n(G_n_), lambda(lambda_) {
+    const T zero(Real<T>(0)), one(Real<T>(1));
+    r = rounded(select(moves, b.ahead(T(b.limit), G_n), one));
+    per_r = one / r;
+    const T a = select(moves, dt, zero) * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
+    alpha = G_n * per_r;
+    Q = b.ahead(lambda, T(T(b.crit) * G_n)) * per_r;
+    A = a * per_r;
+    E = one;
+    out_of_range = deciding(one) < deciding(one);
+    const auto steep = deciding(a) > deciding(one);
+    if (any(steep)) {
+      E = one / rounded(select(steep, a, one));
+      A = select(steep, per_r, A);
+      out_of_range = beyond_reciprocals(E);
+    }
   }
-  return eq;
-}
 
-/// The two sides of the equation at a G, and what its derivative is made of.
-template <class T>
-struct StepSides {
-  T x, y, g;      ///< |limit - G|/r, |G - G_n|/r and G/r
-  T k, kq, done;  ///< A x^gamma; right side; left side
-};
-template <class T, class P, int sign>
-MYOGROWTH_FUNCTION StepSides<T> sides(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& x,
-                                      const T& y, const T& g, const T& q) {
-  const T k = eq.A * b.to_gamma(x);
-  return {x, y, g, k, k * q, eq.E * g * y};
-}
-/// By y, which has more digits where the step is short; `x` as it is to be taken.
-template <class T, class P, int sign>
-MYOGROWTH_FUNCTION StepSides<T> sides_at_y(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& y,
-                                           const T& x) {
-  return sides(b, eq, x, y, b.on(eq.alpha, y), T(eq.Q - T(b.crit) * y));
-}
-/// By G, which has more digits near the limit.
-template <class T, class P, int sign>
-MYOGROWTH_FUNCTION StepSides<T> sides_at_G(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& G_n,
-                                           const T& lambda, const T& G) {
-  const T x = b.ahead(T(b.limit), G) * eq.per_r, q = b.ahead(lambda, T(T(b.crit) * G)) * eq.per_r;
-  return sides(b, eq, maximum(x, T(P(0))), T(b.ahead(G, G_n) * eq.per_r), T(G * eq.per_r), q);
-}
-
-/// x times the derivative of (left - right) at the root, where both are `side`.
-template <class T, class P, int sign>
-MYOGROWTH_FUNCTION T slope_times_x(const Branch<P, sign>& b, const StepEquation<T>& eq, const StepSides<T>& s,
-                                   const T& side) {
-  return (eq.E * b.on(s.g, s.y) + s.k * T(b.crit)) * s.x + T(b.gamma) * side;
-}
-
-/// A step to the root by Householder's method of order four, as numerator and denominator.
-///
-/// At y + x t, (1 - y)^gamma is x^gamma (1 - t)^gamma, whose derivatives need no division, and left - right
-/// is
-///
-///   -f + b t + a2 t^2 + a3 t^3 + ...
-template <class T>
-struct Fraction {
-  T over, under;
-};
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION Fraction<T> fourth_order_step(const Branch<V, sign>& b, const T& kq, const T& kc,
-                                                 const T& done, const T& rate, const T& curvature) {
-  const V c = b.gamma;
-  const T g1(c), g2(c * (c - 1) / 2), g3(c * (c - 1) * (c - 2) * V(1.0 / 6));
-  const T f = kq - done, slope = (rate + kc) + g1 * kq;
-  const T a2 = b.ahead(curvature, T(V(0))) - g1 * kc - g2 * kq, a3 = g2 * kc + g3 * kq;
-  const T square = slope * slope;
-  return {f * (square + a2 * f), slope * square + f * ((a2 + a2) * slope + a3 * f)};
-}
-
-/// y at the end of the bracket.
-template <class T, class P, int sign>
-MYOGROWTH_FUNCTION T part_of(const Branch<P, sign>& b, const StepEquation<T>& eq, const T& G_n,
-                             const T& end) {
-  return select(end == T(b.limit), T(P(1)), T(b.ahead(end, G_n) * eq.per_r));
-}
-
-/// Whether an explicit step would leave the bracket.
-template <class T>
-MYOGROWTH_FUNCTION LaneMask<T> leaves_bracket(const StepEquation<T>& eq, const T& y_end) {
-  return eq.A * eq.Q > eq.E * eq.alpha * y_end;
-}
-
-/// A start before the root that is far better than G_n when the step is long: its distance u from the end of
-/// the bracket, in y. At the root the right side is at most `bound`, which limits u in three ways: by what is
-/// left of its two factors at the end itself, and by their product.
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION T long_step_start(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& lambda,
-                                     const T& end, const T& y_end, const LaneMask<T>& is_long) {
-  const T zero(V(0)), one(V(1)), crit(b.crit), limit(b.limit);
-  const T bound =
-      eq.E * (sign > 0 ? T(eq.alpha + y_end) : eq.alpha) * y_end / rounded(select(is_long, eq.A, one));
-  const auto at_limit = end == limit;
-  const T q_end = select(at_limit, T(b.ahead(lambda, T(crit * limit)) * eq.per_r), zero);
-  const T k_end = b.to_gamma(select(is_long, T(b.ahead(limit, end) * eq.per_r), one));
-  // Each bound counts only where it is below 1: so no power overflows.
-  T u = y_end;
-  const auto tighten = [&](const T& over, const T& under, V exponent) {
-    const LaneMask<T> there = is_long & (under > over);
-    const T part = select(there, over, one) / rounded(select(there, under, one));
-    u = minimum(u, exponent == 1 ? part : T(pow(part, exponent)));
+  /// The two sides of the equation at a G, and what its derivative is made of.
+  struct Sides {
+    T x, y, g;      ///< |limit - G|/r, |G - G_n|/r and G/r
+    T k, kq, done;  ///< A x^gamma; right side; left side
   };
-  tighten(bound, q_end, 1 / b.gamma);
-  tighten(bound, T(crit * k_end), 1);
-  tighten(bound, crit, 1 / (b.gamma + 1));
-  return u * T(1 + 64 * last_place<V>());  // before the root in spite of rounding
-}
-
-/// gamma = 0: the equation is quadratic in y, and in G/r, which has more digits where much is removed.
-template <class T>
-struct QuadraticRoot {
-  T y, g;
-};
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION QuadraticRoot<T> root_of_quadratic(const Branch<V, sign>& b, const StepEquation<T>& eq,
-                                                      const T& lambda) {
-  const T Ac = eq.A * T(b.crit), Ea = eq.E * eq.alpha, difference = Ac - Ea, two(V(2));
-  const T product = two * eq.A * (lambda * eq.per_r);
-  const T root = sqrt(T(difference * difference + two * eq.E * product));
-  const T sum = abs(difference) + root;
-  const auto is_steep = difference > T(V(0));
-  return {two * eq.A * eq.Q / (Ea + Ac + root),
-          select(is_steep, product, sum) / select(is_steep, sum, two * eq.E)};
-}
-
-/// The root as a number, by halving the bracket down to rounding: for parameters so far out (gamma in the
-/// hundreds, G_max beyond 1e60) that Newton's method would take long or lose its digits.
-template <class V, int sign>
-MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE V bisect(Branch<V, sign> b, StepEquation<V> eq, V G_n, V lambda, V end,
-                                               int& iterations) {
-  V G = G_n;
-  constexpr int most = 200;  // 12 geometric means bring any two numbers near, 64 halvings to rounding
-  for (int i = 0; i < most; ++i) {
-    ++iterations;
-    const bool near_by = end <= 4 * G && G <= 4 * end;
-    const V middle = near_by ? G + (end - G) / 2 : sqrt(G) * sqrt(end);
-    if (!(b.precedes(G, middle) && b.precedes(middle, end))) break;
-    const StepSides<V> s = sides_at_G(b, eq, G_n, lambda, middle);
-    (s.kq > s.done ? G : end) = middle;
+  MYOGROWTH_FUNCTION Sides sides(const T& x, const T& y, const T& g, const T& q) const {
+    const T k = A * b.to_gamma(x);
+    return {x, y, g, k, k * q, E * g * y};
   }
-  return G;
-}
+  /// By y, which has more digits where the step is short; `x` as it is to be taken.
+  MYOGROWTH_FUNCTION Sides sides_at_y(const T& y, const T& x) const {
+    return sides(x, y, b.on(alpha, y), T(Q - T(b.crit) * y));
+  }
+  /// By G, which has more digits near the limit.
+  MYOGROWTH_FUNCTION Sides sides_at_G(const T& G) const {
+    const T x = b.ahead(T(b.limit), G) * per_r, q = b.ahead(lambda, T(T(b.crit) * G)) * per_r;
+    return sides(maximum(x, T(P(0))), T(b.ahead(G, G_n) * per_r), T(G * per_r), q);
+  }
+
+  /// x times the derivative of (left - right) at the root, where both are `side`.
+  MYOGROWTH_FUNCTION T slope_times_x(const Sides& s, const T& side) const {
+    return (E * b.on(s.g, s.y) + s.k * T(b.crit)) * s.x + T(b.gamma) * side;
+  }
+  /// dG/dlambda at the root, by the implicit function theorem; 0 where G is not free to change.
+  MYOGROWTH_FUNCTION T dG_dlambda(const Sides& s, const LaneMask<T>& is_free) const {
+    const T zero(Real<T>(0)), tiny((std::numeric_limits<Real<T>>::min)());
+    const T derivative = s.k * s.x / maximum(slope_times_x(s, s.done), tiny);
+    // (Its bound, where k x has lost its digits.)
+    return select(is_free, sign > 0 ? minimum(derivative, T(b.per_crit)) : derivative, zero);
+  }
+
+  /// y at the end of the bracket.
+  MYOGROWTH_FUNCTION T part_of(const T& end) const {
+    return select(end == T(b.limit), T(P(1)), T(b.ahead(end, G_n) * per_r));
+  }
+  /// Whether an explicit step would leave the bracket.
+  MYOGROWTH_FUNCTION LaneMask<T> leaves_bracket(const T& y_end) const { return A * Q > E * alpha * y_end; }
+
+  /// A step to the root by Householder's method of order four, as numerator and denominator.
+  ///
+  /// At y + x t, (1 - y)^gamma is x^gamma (1 - t)^gamma, whose derivatives need no division, and left - right
+  /// is
+  ///
+  ///   -f + b t + a2 t^2 + a3 t^3 + ...
+  struct Fraction {
+    T over, under;
+  };
+  MYOGROWTH_FUNCTION Fraction fourth_order_step(const T& kq, const T& kc, const T& done, const T& rate,
+                                                const T& curvature) const {
+    const P c = b.gamma;
+    const T g1(c), g2(c * (c - 1) / 2), g3(c * (c - 1) * (c - 2) * P(1.0 / 6));
+    const T f = kq - done, slope = (rate + kc) + g1 * kq;
+    const T a2 = b.ahead(curvature, T(P(0))) - g1 * kc - g2 * kq, a3 = g2 * kc + g3 * kq;
+    const T square = slope * slope;
+    return {f * (square + a2 * f), slope * square + f * ((a2 + a2) * slope + a3 * f)};
+  }
+
+  /// A start before the root that is far better than G_n when the step is long: its distance u from the end
+  /// of the bracket, in y. At the root the right side is at most `bound`, which limits u in three ways: by
+  /// what is left of its two factors at the end itself, and by their product.
+  MYOGROWTH_FUNCTION T long_step_start(const T& end, const T& y_end, const LaneMask<T>& is_long) const {
+    const T zero(P(0)), one(P(1)), crit(b.crit), limit(b.limit);
+    const T bound = E * (sign > 0 ? T(alpha + y_end) : alpha) * y_end / rounded(select(is_long, A, one));
+    const auto at_limit = end == limit;
+    const T q_end = select(at_limit, T(b.ahead(lambda, T(crit * limit)) * per_r), zero);
+    const T k_end = b.to_gamma(select(is_long, T(b.ahead(limit, end) * per_r), one));
+    // Each bound counts only where it is below 1: so no power overflows.
+    T u = y_end;
+    const auto tighten = [&](const T& over, const T& under, P exponent) {
+      const LaneMask<T> there = is_long & (under > over);
+      const T part = select(there, over, one) / rounded(select(there, under, one));
+      u = minimum(u, exponent == 1 ? part : T(pow(part, exponent)));
+    };
+    tighten(bound, q_end, 1 / b.gamma);
+    tighten(bound, T(crit * k_end), 1);
+    tighten(bound, crit, 1 / (b.gamma + 1));
+    return u * T(1 + 64 * last_place<P>());  // before the root in spite of rounding
+  }
+
+  /// gamma = 0: the equation is quadratic in y, and in G/r, which has more digits where much is removed.
+  struct QuadraticRoot {
+    T y, g;
+  };
+  MYOGROWTH_FUNCTION QuadraticRoot root_of_quadratic() const {
+    const T Ac = A * T(b.crit), Ea = E * alpha, difference = Ac - Ea, two(P(2));
+    const T product = two * A * (lambda * per_r);
+    const T root = sqrt(T(difference * difference + two * E * product));
+    const T sum = abs(difference) + root;
+    const auto is_steep = difference > T(P(0));
+    return {two * A * Q / (Ea + Ac + root), select(is_steep, product, sum) / select(is_steep, sum, two * E)};
+  }
+};
 
 /// Below this alpha the powers of it that a step multiplies may leave the range.
 template <class V>
@@ -318,48 +277,33 @@ struct StepRoot {
   int iterations;
 };
 
-/// dG/dlambda at the root, by the implicit function theorem; 0 where G is not free to change.
-template <class T, class P, int sign, class Mask>
-MYOGROWTH_FUNCTION T dG_dlambda_of(const Branch<P, sign>& b, const StepEquation<T>& eq, const StepSides<T>& s,
-                                   const Mask& is_free) {
-  const T zero(Real<T>(0)), tiny((std::numeric_limits<Real<T>>::min)());
-  const T derivative = s.k * s.x / maximum(slope_times_x(b, eq, s, s.done), tiny);
-  // (Its bound, where k x has lost its digits.)
-  return select(is_free, sign > 0 ? minimum(derivative, T(b.per_crit)) : derivative, zero);
-}
-
-/// The equation in the lanes that move; a lane that does not has A = 0, and y = 0.
-template <class T, class V, int sign>
-MYOGROWTH_FUNCTION StepEquation<T> equation_where(const LaneMask<T>& moves, const Branch<V, sign>& b,
-                                                  const T& G_n, const T& lambda, const T& dt) {
-  return equation_of(b, rounded(select(moves, b.ahead(T(b.limit), G_n), T(V(1)))), G_n, lambda,
-                     select(moves, dt, T(V(0))));
-}
-
 /// Newton's method for the lanes `active`, in G for gamma >= 1 and in |limit - G|^gamma for 0 < gamma < 1.
 /// The iterates go towards the root from G_n's side; from a start behind the root the first step leads before
 /// it. (For removal with 0 < gamma < 1 of more than half of G_n a step may pass the root, and bisection takes
 /// over.)
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION StepRoot<T> newton(const Branch<V, sign>& b, const StepEquation<T>& eq, const T& G_n,
-                                      const T& lambda, const T& end, const T& start, LaneMask<T> active) {
+MYOGROWTH_FUNCTION StepRoot<T> newton(const StepEquation<T, V, sign>& eq, const T& end, const T& start,
+                                      LaneMask<T> active) {
   constexpr V epsilon = last_place<V>();
   constexpr int patience = 64;  // three times what gamma = 20 takes
+  const Branch<V, sign>& b = eq.b;
   const T zero(V(0)), one(V(1)), gamma_plus_1(b.gamma + 1), smallest(least_alpha<V>());
   const LaneMask<T> none = one < zero, lost = active & !(eq.alpha > smallest);
-  const T y_end = part_of(b, eq, G_n, end);
-  LaneMask<T> is_long = leaves_bracket(eq, y_end);
+  const T y_end = eq.part_of(end);
+  LaneMask<T> is_long = eq.leaves_bracket(y_end);
   is_long = active & is_long;
-  LaneMask<T> may_be_behind = b.precedes(G_n, start) & b.precedes(start, end) & !is_long, moved = none;
-  StepRoot<T> root{select(may_be_behind, start, G_n), lost, 0};
+  const LaneMask<T> has_start = b.precedes(eq.G_n, start), before_end = b.precedes(start, end);
+  LaneMask<T> may_be_behind = has_start & before_end & !is_long, moved = none;
+  StepRoot<T> root{select(may_be_behind, start, eq.G_n), lost, 0};
   T& G = root.G;
-  if (any(is_long))
-    G = select(is_long,
-               b.last(b.on(end, T(-eq.r * long_step_start(b, eq, lambda, end, y_end, is_long))), G_n), G);
+  if (any(is_long)) {
+    const T u = eq.long_step_start(end, y_end, is_long);
+    G = select(is_long, b.last(b.on(end, T(-eq.r * u)), eq.G_n), G);
+  }
   active = active & !lost;
   for (; root.iterations < patience && any(active); ++root.iterations) {
-    const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, select(active, G, G_n));
-    const T residual = (s.kq - s.done) * s.x, slope = slope_times_x(b, eq, s, s.kq);
+    const auto s = eq.sides_at_G(select(active, G, eq.G_n));
+    const T residual = (s.kq - s.done) * s.x, slope = eq.slope_times_x(s, s.kq);
     // For growth R is concave over G, which is the equation over G/r; for removal the equation itself.
     const T over = sign > 0 ? T(residual * s.g) : residual;
     const T under = sign > 0 ? T(slope * s.g + residual) : slope;
@@ -375,7 +319,7 @@ MYOGROWTH_FUNCTION StepRoot<T> newton(const Branch<V, sign>& b, const StepEquati
     // What Newton's method leaves is step^2 R''/(2 R'), and R''/R' is at most 2 gamma/x + 2/g (a little
     // more for gamma < 1): the last step leaves less than half of G's last place.
     const auto last = step * step * (gamma_plus_1 * g + s.x) < T(epsilon / 4) * g * g * s.x;
-    G = select(goes, b.last(b.first(next, end), G_n), G);
+    G = select(goes, b.last(b.first(next, end), eq.G_n), G);
     active = goes & within & !last;
     moved = onward;
     may_be_behind = none;
@@ -384,17 +328,28 @@ MYOGROWTH_FUNCTION StepRoot<T> newton(const Branch<V, sign>& b, const StepEquati
   return root;
 }
 
-/// The lanes that Newton's method left: a number goes on by bisection, a pack leaves them to its caller.
+/// The lanes that Newton's method left: a pack leaves them to its caller. A number goes on by halving the
+/// bracket down to rounding: for parameters so far out (gamma in the hundreds, G_max beyond 1e60) that
+/// Newton's method would take long or lose its digits.
 /// @{
-template <class V, int sign>
-MYOGROWTH_FUNCTION void go_on(const Branch<V, sign>& b, const StepEquation<V>& eq, V G_n, V lambda, V end,
-                              StepRoot<V>& root, std::true_type) {
-  if (root.left) root.G = bisect(b, eq, G_n, lambda, end, root.iterations);
-  root.left = false;
-}
 template <class T, class V, int sign>
-MYOGROWTH_FUNCTION void go_on(const Branch<V, sign>&, const StepEquation<T>&, const T&, const T&, const T&,
-                              StepRoot<T>&, std::false_type) {}
+MYOGROWTH_FUNCTION void bisect(const StepEquation<T, V, sign>&, const T&, StepRoot<T>&) {}
+template <class V, int sign>
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void bisect(const StepEquation<V, V, sign>& eq, V end,
+                                                  StepRoot<V>& root) {
+  if (!root.left) return;
+  root.left = false;
+  V& G = root.G = eq.G_n;
+  constexpr int most = 200;  // 12 geometric means bring any two numbers near, 64 halvings to rounding
+  for (int i = 0; i < most; ++i) {
+    ++root.iterations;
+    const bool near_by = end <= 4 * G && G <= 4 * end;
+    const V middle = near_by ? G + (end - G) / 2 : sqrt(G) * sqrt(end);
+    if (!(eq.b.precedes(G, middle) && eq.b.precedes(middle, end))) break;
+    const auto s = eq.sides_at_G(middle);
+    (s.kq > s.done ? G : end) = middle;
+  }
+}
 /// @}
 
 /// Goes on in the lanes where few_steps has not led to the root.
@@ -404,14 +359,14 @@ MYOGROWTH_FUNCTION void go_on(const Branch<V, sign>&, const StepEquation<T>&, co
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE SolvedStep<T> solve_further(Branch<V, sign> b, LaneMask<T> moves, T G_n,
                                                                   T lambda, T dt, SolvedStep<T> found) {
-  const StepEquation<T> eq = equation_where(moves, b, G_n, lambda, dt);
+  const StepEquation<T, V, sign> eq(b, moves, G_n, lambda, dt);
   const T end = b.end(lambda);
   const LaneMask<T> active = found.left & !eq.out_of_range;
-  StepRoot<T> root = newton(b, eq, G_n, lambda, end, found.G, active);
-  go_on(b, eq, G_n, lambda, end, root, std::is_same<T, V>());
+  StepRoot<T> root = newton(eq, end, found.G, active);
+  bisect(eq, end, root);
   const T G = select(active, b.last(b.first(root.G, end), G_n), G_n);
-  const StepSides<T> s = sides_at_G(b, eq, G_n, lambda, G);
-  const T dG_dlambda = dG_dlambda_of(b, eq, s, b.precedes(G, T(b.limit)));
+  const auto s = eq.sides_at_G(G);
+  const T dG_dlambda = eq.dG_dlambda(s, b.precedes(G, T(b.limit)));
   const LaneMask<T> left = (found.left & eq.out_of_range) | root.left;
   return {select(active, s.x, found.x),
           select(active, s.y, found.y),
@@ -428,27 +383,25 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
                                            const T& lambda, const T& dt) {
   const T zero(V(0)), one(V(1)), limit(b.limit), crit(b.crit);
   constexpr V epsilon = last_place<V>();
-  const StepEquation<T> eq = equation_where(moves, b, G_n, lambda, dt);
+  const StepEquation<T, V, sign> eq(b, moves, G_n, lambda, dt);
   const T end = b.end(lambda), nan(std::numeric_limits<V>::quiet_NaN());
   constexpr bool is_number = std::is_same<T, V>::value;
   // (A time or a gamma so far out that the growth number is 0 times infinity.)
   if (is_number && any(!is_finite(eq.A))) return {nan, nan, nan, nan, !moves, 0};
   // If an explicit step would leave the bracket, steps from y = 0 lead nowhere. (Packs ask later, if at all.)
-  const bool is_long = is_number && any(leaves_bracket(eq, part_of(b, eq, G_n, end)));
+  const bool is_long = is_number && any(eq.leaves_bracket(eq.part_of(end)));
   LaneMask<T> solved = !moves;
   T y = zero, G = G_n;
   int iterations = 0;
   if (b.gamma >= 1 && !is_long) {
     iterations = 1;
-    const T kc = eq.A * crit;
-    const Fraction<T> from_0 = fourth_order_step(b, T(eq.A * eq.Q), kc, zero, T(eq.E * eq.alpha), eq.E);
+    const auto from_0 = eq.fourth_order_step(T(eq.A * eq.Q), T(eq.A * crit), zero, T(eq.E * eq.alpha), eq.E);
     y = rough_quotient(from_0.over, from_0.under);
     // Growth goes on in y; removal in G, which may be far below G_n, where y has too few digits for it.
     const T nearest(epsilon), G_1 = b.first(b.on(G_n, T(eq.r * y)), b.on(limit, T(-eq.r * nearest)));
-    StepSides<T> s =
-        sign > 0 ? sides_at_y(b, eq, y, maximum(T(one - y), nearest)) : sides_at_G(b, eq, G_n, lambda, G_1);
-    const Fraction<T> more = fourth_order_step(b, s.kq, T(s.k * crit * s.x), s.done,
-                                               T(eq.E * b.on(s.g, s.y) * s.x), T(eq.E * (s.x * s.x)));
+    const auto s = sign > 0 ? eq.sides_at_y(y, maximum(T(one - y), nearest)) : eq.sides_at_G(G_1);
+    const auto more = eq.fourth_order_step(s.kq, T(s.k * crit * s.x), s.done, T(eq.E * b.on(s.g, s.y) * s.x),
+                                           T(eq.E * (s.x * s.x)));
     // (Products below all numbers say nothing.)
     const LaneMask<T> is_valid = more.under > T((std::numeric_limits<V>::min)() / epsilon);
     const T step = near_quotient(T(s.x * more.over), rounded(select(is_valid, more.under, one)));
@@ -462,44 +415,40 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
     const auto leaves_rounding =
         C_step * C_step * abs(T(C_step * step)) < T(epsilon) * g * (unit * unit * unit);
     solved = solved | (is_valid & leaves_rounding);
-    if (sign < 0) solved = solved & ((y <= part_of(b, eq, G_n, end)) | (!moves));
+    if (sign < 0) solved = solved & ((y <= eq.part_of(end)) | (!moves));
   } else if (!(b.gamma > epsilon)) {  // k is constant to rounding
     iterations = 1;
-    const QuadraticRoot<T> root = root_of_quadratic(b, eq, lambda);
+    const auto root = eq.root_of_quadratic();
     y = root.y;
     G = sign > 0 ? b.on(G_n, T(eq.r * y)) : T(eq.r * root.g);
     solved = solved | (y >= zero);
   }
   const T x = sign > 0 ? T(one - y) : T(b.ahead(limit, G) * eq.per_r);
   G = b.last(b.first(G, end), G_n);
-  const StepSides<T> s = sides(b, eq, maximum(x, zero), y, T(G * eq.per_r), zero);
+  const auto s = eq.sides(maximum(x, zero), y, T(G * eq.per_r), zero);
   // (Lanes that do not move are solved.)
   const LaneMask<T> left = (!solved) | (moves & eq.out_of_range);
-  return {s.x, y, G, dG_dlambda_of(b, eq, s, b.precedes(G, limit)), left, iterations};
+  return {s.x, y, G, eq.dG_dlambda(s, b.precedes(G, limit)), left, iterations};
 }
 
 /// The step in the lanes that move.
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const LaneMask<T>& moves,
                                                 const T& G_n, const T& lambda, const T& dt) {
-  SolvedStep<T> step = few_steps(b, moves, G_n, lambda, dt);
-  if (any(step.left)) {
-    const SolvedStep<T> further = solve_further(b, moves, G_n, lambda, dt, step);
-    step = further;
-  }
-  return step;
+  const SolvedStep<T> step = few_steps(b, moves, G_n, lambda, dt);
+  return any(step.left) ? solve_further(b, moves, G_n, lambda, dt, step) : step;
 }
 
-/// The step of a number.
+/// The step of a number, or of one that carries derivatives.
 /// @{
-template <class T, int sign>
-MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<T, sign>& b, const T& G_n, const T& lambda, const T& dt,
+template <class V, int sign>
+MYOGROWTH_FUNCTION GrowthStep<V> step_of(const Branch<V, sign>& b, const V& G_n, const V& lambda, const V& dt,
                                          std::true_type) {
-  const SolvedStep<T> s = backward_euler(b, true, G_n, lambda, dt);
+  const SolvedStep<V> s = backward_euler(b, true, G_n, lambda, dt);
   return {s.G, s.dG_dlambda, s.iterations};
 }
-/// Of one that carries derivatives, by the implicit function theorem: one Newton step from the root of the
-/// values, of which only the derivatives are taken.
+/// By the implicit function theorem: one Newton step from the root of the values, of which only the
+/// derivatives are taken.
 template <class T, class P, int sign>
 MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<P, sign>& b, const T& G_n, const T& lambda, const T& dt,
                                          std::false_type) {
@@ -509,14 +458,14 @@ MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<P, sign>& b, const T& G_n,
   // (x may be 0 where G is not yet the limit to its last digit: 0^gamma has no derivative.)
   if (!b.precedes(values.G, V(value(b.limit))) || !(values.x > 0))
     return {T(b.limit) + T(values.G - value(b.limit)), T(V(0)), values.iterations};
-  const StepEquation<T> eq = equation_of(b, b.ahead(T(b.limit), G_n), G_n, lambda, dt);
+  const StepEquation<T, P, sign> eq(b, true, G_n, lambda, dt);
   const T x(values.x), y(values.y);
-  StepSides<T> s = sides(b, eq, x, y, b.on(eq.alpha, y), T(eq.Q - T(b.crit) * y));
-  T step = (s.kq - s.done) * s.x / slope_times_x(b, eq, s, s.done);
+  auto s = eq.sides_at_y(y, x);
+  T step = (s.kq - s.done) * s.x / eq.slope_times_x(s, s.done);
   step = step - T(value(step));
   const T y_end = y + step, G = b.on(G_n, T(eq.r * y_end));
-  s = sides_at_y(b, eq, y_end, T(x - step));
-  return {G + T(values.G - value(G)), dG_dlambda_of(b, eq, s, true), values.iterations};
+  s = eq.sides_at_y(y_end, T(x - step));
+  return {G + T(values.G - value(G)), eq.dG_dlambda(s, true), values.iterations};
 }
 /// @}
 
@@ -552,9 +501,5 @@ MYOGROWTH_FUNCTION GrowthStep<T> solve_growth(const GrowthRate<P>& growth, const
 }
 
 }  // namespace myogrowth
-
-#if defined(__clang__)
-#pragma clang diagnostic pop
-#endif
 
 #endif

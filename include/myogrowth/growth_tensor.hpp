@@ -20,12 +20,6 @@ Mat3<T> inverse_growth_tensor(const Vec3<T>& n0, const T& G) {
   return Mat3<T>::Identity() + (Real<T>(1) / G - Real<T>(1)) * n0 * n0.transpose();
 }
 
-/// dF_g^-1/dG = -1/G^2 n0⊗n0.
-template <class T>
-Mat3<T> dinverse_growth_tensor_dG(const Vec3<T>& n0, const T& G) {
-  return (Real<T>(-1) / (G * G)) * n0 * n0.transpose();
-}
-
 /// Elastic part of the deformation gradient, F_e = F F_g^-1.
 template <class T>
 Mat3<T> elastic_part(const Mat3<T>& F, const Vec3<T>& n0, const T& G) {

@@ -188,21 +188,34 @@ MYOGROWTH_FUNCTION void deform(const T F[9], const T n[3], Deformation<T>& d) {
 
 /// What det F - 1 must exceed for deform() to give it, b_minus_I being F F^T - I: det F is then not a
 /// difference of terms so large that they have lost its digits. (The sizes of the terms of deform()'s sum are
-/// together no more than
-/// (|F| + sqrt(3))^3 / 4, and |F|^2 = tr(F F^T).)
+/// together no more than (|F| + sqrt(3))^3 / 4, and |F|^2 = tr(F F^T).)
 template <class T>
 MYOGROWTH_FUNCTION T least_J_minus_1(const T& b11_minus_1, const T& b22_minus_1, const T& b33_minus_1) {
   const T size = (b11_minus_1 + b22_minus_1) + (b33_minus_1 + Real<T>(6));
   return size * size * (Real<T>(1) / Real<T>(4096)) - Real<T>(1);
 }
 
-/// det F where deform() does not give it, and whether there is a result with it: F is so small, so large or
-/// so close to singular that its digits count, not those of F - I.
 template <class T>
-MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE UpdateStatus examine(const T F[9], T& J) {
+MYOGROWTH_FUNCTION bool is_accurate(const Deformation<T>& d) {
+  return value(d.J_minus_1) >
+         least_J_minus_1(value(d.b_minus_I[0]), value(d.b_minus_I[1]), value(d.b_minus_I[2]));
+}
+
+/// det F where deform() does not give it, and the fibre stretch, the length of f, where its square is below
+/// the range; and whether there is a result with them. F is so small, so large or so close to singular that
+/// its digits count, not those of F - I.
+template <class T>
+MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE UpdateStatus examine(const T F[9], const T f[3], T& J, T& lambda) {
+  using V = Real<T>;
   J = determinant(F);
   if (!is_finite(J)) return UpdateStatus::not_finite;
-  return value(J) > 0 ? UpdateStatus::ok : UpdateStatus::inverted;
+  if (!(value(J) > 0)) return UpdateStatus::inverted;
+  if (value(lambda) * value(lambda) > (std::numeric_limits<V>::min)() / last_place<V>())
+    return UpdateStatus::ok;
+  T unit[3];
+  if (!normalise(f, unit)) return UpdateStatus::not_finite;
+  lambda = f[0] * unit[0] + f[1] * unit[1] + f[2] * unit[2];
+  return UpdateStatus::ok;
 }
 
 /// ln(x) for x that may be tiny, by what is asked of a scalar.
@@ -285,15 +298,14 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT UpdateStatus update_point(const FibreGrowth<P>
   detail::Deformation<T> d;
   detail::deform(F, n, d);
   out.J = V(1) + d.J_minus_1;
-  const bool is_accurate =
-      value(d.J_minus_1) >
-      detail::least_J_minus_1(value(d.b_minus_I[0]), value(d.b_minus_I[1]), value(d.b_minus_I[2]));
-  if (!is_accurate) {
-    const UpdateStatus status = detail::examine(F, out.J);
-    if (status != UpdateStatus::ok) return detail::fail(status, G_n, out);
-  }
+  const bool is_accurate = detail::is_accurate(d);
   out.lambda = d.lambda;
   for (int i = 0; i < 3; ++i) out.f[i] = d.f[i];
+  if (!is_accurate) {
+    const UpdateStatus status = detail::examine(F, out.f, out.J, out.lambda);
+    if (status != UpdateStatus::ok) return detail::fail(status, G_n, out);
+    d.lambda = out.lambda;
+  }
 
   const GrowthStep<T> step = detail::grow(material, G_n, lambda_n, out.lambda, dt, std::is_same<P, V>());
   out.dG_dlambda = step.dG_dlambda;
@@ -324,7 +336,7 @@ MYOGROWTH_FUNCTION UpdateStatus update_point(const FibreGrowth<P>& material, con
 /// is Abaqus's DDSDDE. Consistent with the discrete update: d tau = c:D for a symmetric increment dF = D F.
 /// Unsymmetric where the muscle grows. Array: T[36], or what takes c[i] = T.
 template <class T, class Array>
-MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, const T& factor) {
+MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, const T& factor = T(Real<T>(1))) {
   using V = Real<T>;
   const T c1 = factor * u.c1, c2 = factor * u.c2, half_c2 = c2 / V(2), zero(0), two(V(2));
   const T b1 = c2 * u.be[0], b2 = c2 * u.be[1], b3 = c2 * u.be[2];
@@ -354,12 +366,6 @@ MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, Array&& c, cons
   column(4, b13,          zero,         b13,          h23,     h1 + h3, h12);
   column(5, zero,         b23,          b23,          h13,     h12,     h2 + h3);
   // clang-format on
-}
-
-/// The same without a factor: the modulus of tau itself [stress].
-template <class T>
-MYOGROWTH_FUNCTION void spatial_modulus(const PointUpdate<T>& u, T c[36]) {
-  spatial_modulus(u, c, T(Real<T>(1)));
 }
 
 }  // namespace myogrowth

@@ -2,7 +2,7 @@
 /// Conversions between the measures that hosts ask for, each formula once.
 ///
 /// The law gives the Kirchhoff stress tau and the spatial modulus c of its Jaumann rate (kernel.hpp, also for
-/// the layouts used here). From these two follow, and to these two go back:
+/// the layouts used here). From these two follow:
 ///
 ///   Abaqus:          sigma = tau/J,             DDSDDE = c/J
 ///   Truesdell (Lie): C = c - (I∘tau + tau∘I),   (I∘tau + tau∘I):D = tau D + D tau
@@ -122,36 +122,11 @@ MYOGROWTH_FUNCTION void truesdell_from_jaumann(const T tau[6], const T c[36], T 
   add_rate_terms(tau, -1, c, C);
 }
 
-/// Jaumann modulus c[36] from the Truesdell modulus C[36].
-template <class T>
-MYOGROWTH_FUNCTION void jaumann_from_truesdell(const T tau[6], const T C[36], T c[36]) {
-  add_rate_terms(tau, +1, C, c);
-}
-
 /// Cauchy stress sigma[6] = tau/J.
 template <class T>
 MYOGROWTH_FUNCTION void cauchy_from_kirchhoff(const T& J, const T tau[6], T sigma[6]) {
   const T per_J = Real<T>(1) / J;
   for (int i = 0; i < 6; ++i) sigma[i] = tau[i] * per_J;
-}
-
-/// Abaqus's DDSDDE[36] = c/J.
-template <class T>
-MYOGROWTH_FUNCTION void ddsdde_from_jaumann(const T& J, const T c[36], T ddsdde[36]) {
-  const T per_J = Real<T>(1) / J;
-  for (int i = 0; i < 36; ++i) ddsdde[i] = c[i] * per_J;
-}
-
-/// tau[6] = J sigma.
-template <class T>
-MYOGROWTH_FUNCTION void kirchhoff_from_cauchy(const T& J, const T sigma[6], T tau[6]) {
-  for (int i = 0; i < 6; ++i) tau[i] = J * sigma[i];
-}
-
-/// c[36] = J DDSDDE.
-template <class T>
-MYOGROWTH_FUNCTION void jaumann_from_ddsdde(const T& J, const T ddsdde[36], T c[36]) {
-  for (int i = 0; i < 36; ++i) c[i] = J * ddsdde[i];
 }
 
 /// First Piola-Kirchhoff stress P[9] = tau F^-T.
@@ -186,36 +161,6 @@ MYOGROWTH_FUNCTION void dP_dF_from_jaumann(const T F[9], const T tau[6], const T
         dP_dF[row + 9 * (k + 3 * L)] = inv[L] * half[row + 9 * k] + inv[L + 3] * half[row + 9 * (k + 3)] +
                                        inv[L + 6] * half[row + 9 * (k + 6)];
       }
-    }
-  }
-}
-
-/// tau[6] = P F^T, from a P[9] for which that is symmetric.
-template <class T>
-MYOGROWTH_FUNCTION void kirchhoff_from_first_piola(const T F[9], const T P[9], T tau[6]) {
-  for (int a = 0; a < 6; ++a) {
-    const int i = symmetric_row(a), j = symmetric_column(a);
-    tau[a] = P[i] * F[j] + P[i + 3] * F[j + 3] + P[i + 6] * F[j + 6];
-  }
-}
-
-/// c[36] from dP_dF[81] and tau[6]: c_ijkm = sym_km [F_jJ dP_iJ/dF_kL F_mL + tau_im delta_jk].
-template <class T>
-MYOGROWTH_FUNCTION void jaumann_from_dP_dF(const T F[9], const T tau[6], const T dP_dF[81], T c[36]) {
-  const auto spatial = [&](int i, int j, int k, int m) {
-    T sum = j == k ? tau[symmetric_index(i, m)] : T(0);
-    for (int J = 0; J < 3; ++J) {
-      for (int L = 0; L < 3; ++L) {
-        sum = sum + F[j + 3 * J] * dP_dF[(i + 3 * J) + 9 * (k + 3 * L)] * F[m + 3 * L];
-      }
-    }
-    return sum;
-  };
-  for (int col = 0; col < 6; ++col) {
-    const int k = symmetric_row(col), m = symmetric_column(col);
-    for (int row = 0; row < 6; ++row) {
-      const int i = symmetric_row(row), j = symmetric_column(row);
-      c[row + 6 * col] = (spatial(i, j, k, m) + spatial(i, j, m, k)) / Real<T>(2);
     }
   }
 }
@@ -264,20 +209,6 @@ MYOGROWTH_FUNCTION void dS_dE_from_jaumann(const T F[9], const T tau[6], const T
   inverse(F, inv);
   truesdell_from_jaumann(tau, c, C);
   push_modulus(inv, C, dS_dE);
-}
-
-/// tau[6] = F S F^T.
-template <class T>
-MYOGROWTH_FUNCTION void kirchhoff_from_second_piola(const T F[9], const T S[6], T tau[6]) {
-  push_symmetric(F, S, tau);
-}
-
-/// c[36] from dS_dE[36] and tau[6].
-template <class T>
-MYOGROWTH_FUNCTION void jaumann_from_dS_dE(const T F[9], const T tau[6], const T dS_dE[36], T c[36]) {
-  T C[36];
-  push_modulus(F, dS_dE, C);
-  jaumann_from_truesdell(tau, C, c);
 }
 
 }  // namespace myogrowth

@@ -77,14 +77,6 @@ Mat6<T> symmetric_product(const Mat3<T>& A, const Mat3<T>& B) {
   return C;
 }
 
-/// Y_abcd = A_ai A_bj A_ck A_dl X_ijkl.
-template <class T>
-Mat6<T> push_forward(const Mat3<T>& A, const Mat6<T>& X) {
-  Mat6<T> Y;
-  push_modulus(A.data(), X.data(), Y.data());
-  return Y;
-}
-
 }  // namespace myogrowth
 
 #endif

@@ -5,6 +5,7 @@
 #include <myogrowth/more/left_stretch.hpp>
 #include <thread>
 
+#include "../support/moduli.hpp"
 #include "../support/samples.hpp"
 #include "../support/umat_host.hpp"
 
@@ -543,7 +544,7 @@ TEST(Umat, LocalBasisAgreesWithGlobal) {
     EXPECT_NEAR(local.statev[0], global.statev[0], 1e-12);
     const Eigen::Matrix3d sigma = B.transpose() * from_six(Vec6<double>(global.stress)) * B;
     EXPECT_LE((from_six(Vec6<double>(local.stress)) - sigma).norm(), 1e-12 * sigma.norm());
-    const Mat6<double> c = push_forward(Mat3<double>(B.transpose()), Mat6<double>(global.ddsdde));
+    const Mat6<double> c = moduli::push_forward(Mat3<double>(B.transpose()), Mat6<double>(global.ddsdde));
     EXPECT_LE((local.ddsdde - c).norm(), 1e-12 * c.norm());
   }
 }

@@ -8,6 +8,7 @@
 
 #include "../support/larger.hpp"
 #include "../support/laws.hpp"
+#include "../support/moduli.hpp"
 
 using namespace myogrowth;
 using Complex = std::complex<double>;
@@ -135,7 +136,7 @@ TYPED_TEST(ElasticLaw, IsObjective) {
                            turned = respond<TypeParam, double>(law, R * Fe, n, a);
     const Mat3<double> tau = R * from_six(six(once.tau)) * R.transpose();
     EXPECT_LE((from_six(six(turned.tau)) - tau).norm(), 1e-13 * modulus(once).norm());
-    EXPECT_LE((modulus(turned) - push_forward(Mat3<double>(R), modulus(once))).norm(),
+    EXPECT_LE((modulus(turned) - moduli::push_forward(Mat3<double>(R), modulus(once))).norm(),
               1e-12 * modulus(once).norm());
     EXPECT_NEAR(turned.psi, once.psi, 1e-12 * (std::abs(once.psi) + modulus(once).norm()));
   }

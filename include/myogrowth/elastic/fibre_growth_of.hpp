@@ -1,8 +1,8 @@
 /// @file
 /// Growth along the fibre with any elastic law, passive or active.
 ///
-///     FibreGrowthOf<Blemker<>> muscle;                       // or Roehrle, Ehret, NeoHookean, one of your
-///     own auto step = update(muscle, F, state, dt, activation);  // material.hpp has the rest
+///     FibreGrowthOf<Blemker<>> muscle;   // or Roehrle, Ehret, NeoHookean, or a law of your own
+///     auto step = update(muscle, F, state, dt, activation);   // material.hpp has the rest
 ///
 /// An elastic law sees F_e = F F_g^-1 and n0 only, so its stretch is lambda_e = lambda/G and its optimum
 /// stays where it is: growth shifts the force-length curve of the whole muscle. Eq. 4 needs lambda only, so
@@ -104,7 +104,8 @@ UpdateStatus update_point(const FibreGrowthOf<Elastic, P>& material, const T F[9
 /// As that of PointUpdate: the modulus of the Jaumann rate times a factor, consistent with the discrete
 /// update.
 template <class T, class Array>
-MYOGROWTH_FUNCTION void spatial_modulus(const ElasticPointUpdate<T>& u, Array&& c, const T& factor) {
+MYOGROWTH_FUNCTION void spatial_modulus(const ElasticPointUpdate<T>& u, Array&& c,
+                                        const T& factor = T(Real<T>(1))) {
   const bool grows = !is_zero(u.dG_dlambda);
   const T weight = grows ? T(u.dG_dlambda / u.lambda) : T(Real<T>(0));
   for (int j = 0; j < 6; ++j) {
@@ -114,12 +115,6 @@ MYOGROWTH_FUNCTION void spatial_modulus(const ElasticPointUpdate<T>& u, Array&& 
       c[i + 6 * j] = factor * (grows ? T(elastic + u.dtau_dG[i] * ff) : elastic);
     }
   }
-}
-
-/// The same without a factor [stress].
-template <class T>
-MYOGROWTH_FUNCTION void spatial_modulus(const ElasticPointUpdate<T>& u, T c[36]) {
-  spatial_modulus(u, c, T(Real<T>(1)));
 }
 
 }  // namespace myogrowth

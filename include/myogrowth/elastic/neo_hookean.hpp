@@ -82,38 +82,6 @@ Mat3<T> second_piola(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& 
   return A * law.S(Ce) * A.transpose();
 }
 
-/// Elastic modulus of the grown muscle, L = 2 dS/dC at fixed G = F_g^-1 ... L_e ... F_g^-T [stress].
-template <class T, class P>
-Mat6<T> elastic_modulus(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& n0, const T& G) {
-  const Mat3<T> Ce = right_cauchy_green(elastic_part(F, n0, G));
-  return push_forward(inverse_growth_tensor(n0, G), law.L(Ce));
-}
-
-/// dS/dG at fixed C [stress]: through F_g^-1 and through C_e = F_g^-T C F_g^-1.
-template <class T, class P>
-Mat3<T> dsecond_piola_dG(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& n0, const T& G) {
-  const Mat3<T> A = inverse_growth_tensor(n0, G);
-  const Mat3<T> dA = dinverse_growth_tensor_dG(n0, G);
-  const Mat3<T> C = right_cauchy_green(F);
-  const Mat3<T> Ce = A.transpose() * C * A;
-  const Mat3<T> dCe = dA.transpose() * C * A + A.transpose() * C * dA;
-  Vec6<T> dE = to_six(dCe) / Real<T>(2);  // dE_e = dC_e/2, shears as engineering shears
-  dE.template tail<3>() *= Real<T>(2);
-  const Mat3<T> Se = law.S(Ce);
-  const Mat3<T> dSe = from_six(Vec6<T>(law.L(Ce) * dE));
-  return dA * Se * A.transpose() + A * dSe * A.transpose() + A * Se * dA.transpose();
-}
-
-/// Consistent modulus of the growing muscle, dS/dE = L + 2 dS/dG ⊗ dG/dC [stress], with
-/// dG/dC = dG/dlambda n0⊗n0/(2 lambda).
-template <class T, class P>
-Mat6<T> consistent_modulus(const NeoHookean<P>& law, const Mat3<T>& F, const Vec3<T>& n0, const T& G,
-                           const T& dG_dlambda) {
-  const T weight = dG_dlambda / fibre_stretch(F, n0);
-  const Mat3<T> n0n0 = n0 * n0.transpose();
-  return elastic_modulus(law, F, n0, G) + weight * dyad(dsecond_piola_dG(law, F, n0, G), n0n0);
-}
-
 }  // namespace myogrowth
 
 #endif

@@ -43,20 +43,18 @@ MYOGROWTH_FUNCTION ElasticDeformation<T> elastic_deformation(const T Fe[9], cons
   detail::Deformation<T> d;
   detail::deform(Fe, n0, d);
   ElasticDeformation<T> e;
-  e.J_minus_1 = d.J_minus_1;
-  const bool is_accurate =
-      value(d.J_minus_1) >
-      detail::least_J_minus_1(value(d.b_minus_I[0]), value(d.b_minus_I[1]), value(d.b_minus_I[2]));
-  if (is_accurate) {
-    e.ln_J = log1p(d.J_minus_1);
-  } else {
-    const T J = determinant(Fe);
-    e.J_minus_1 = J - V(1);
-    e.ln_J = detail::logarithm(J);
-  }
   for (int i = 0; i < 6; ++i) e.B[i] = d.b_minus_I[i];
   for (int i = 0; i < 3; ++i) e.f[i] = d.f[i];
   e.lambda = d.lambda;
+  e.J_minus_1 = d.J_minus_1;
+  if (detail::is_accurate(d)) {
+    e.ln_J = log1p(d.J_minus_1);
+  } else {
+    T J;
+    (void)detail::examine(Fe, e.f, J, e.lambda);
+    e.J_minus_1 = J - V(1);
+    e.ln_J = detail::logarithm(J);
+  }
   return e;
 }
 
@@ -112,7 +110,7 @@ MYOGROWTH_FUNCTION void add_dyad(const T& weight, const T A[6], const T B[6], T 
 /// c = c + (I∘A + A∘I), the rate of what turns and stretches with the material on both sides.
 template <class T>
 MYOGROWTH_FUNCTION void add_rate(const T A[6], T c[36]) {
-  jaumann_from_truesdell(A, c, c);
+  add_rate_terms(A, +1, c, c);
 }
 
 /// c:D = c:D + weight A D A.
