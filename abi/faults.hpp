@@ -24,21 +24,15 @@ using Text = char[400];
 
 /// Why the kernel gave no result.
 inline const char* text(UpdateStatus status) {
-  switch (status) {
-    case UpdateStatus::ok:
-      return "ok";
-    case UpdateStatus::not_finite:
-      return "not finite: F, dt or a result is NaN or beyond the range of double";
-    case UpdateStatus::inverted:
-      return "inverted: det F must be > 0";
-    case UpdateStatus::no_fibre:
-      return "no fibre: n0 must have a length > 0";
-    case UpdateStatus::bad_state:
-      return "bad state: G must be >= 0, and G and the fibre finite";
-    case UpdateStatus::not_converged:
-      return "not converged: the stretch that frees the stress was not found in 200 iterations";
-  }
-  return "unknown status";
+  static constexpr const char* texts[] = {
+      "ok",
+      "not finite: F, dt or a result is NaN or beyond the range of double",
+      "inverted: det F must be > 0",
+      "no fibre: n0 must have a length > 0",
+      "bad state: G must be >= 0, and G and the fibre finite",
+      "not converged: the stretch that frees the stress was not found in 200 iterations"};
+  const int i = static_cast<int>(status), last = static_cast<int>(UpdateStatus::not_converged);
+  return 0 <= i && i <= last ? texts[i] : "unknown status";
 }
 
 /// Formats like printf, cut to the room there is. Always true: "there is a fault".

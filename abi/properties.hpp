@@ -10,19 +10,42 @@
 namespace myogrowth {
 namespace abi {
 
-/// What a value must be.
-enum class Allowed {
-  positive,
-  not_negative,
-  above_one,
-  bulk_positive,
-  any,
-  zero_or_one,
-  below_one,
-  up_to_lambda_crit,
-  up_to_one,
-  above_lambda_min
-};
+// What a value must be: name, words, and the check of a finite x among the entries `all` of its table.
+#define MYOGROWTH_ALLOWED(X)                                                                            \
+  X(positive, "> 0", x > 0)                                                                             \
+  X(not_negative, ">= 0", x >= 0)                                                                       \
+  X(above_one, "> 1", x > 1)                                                                            \
+  /* a bad c2 is reported as such */                                                                    \
+  X(bulk_positive, "> -2/3 c2 (positive bulk modulus)", x >= 0 || !(all[1] > 0) || x > -2 * all[1] / 3) \
+  X(any, "finite", true)                                                                                \
+  X(zero_or_one, "0 or 1", x == 0 || x == 1)                                                            \
+  X(below_one, "> 0 and < 1", x > 0 && x < 1)                                                           \
+  X(up_to_lambda_crit, "> 0 and <= lambda_crit", x > 0 && x <= all[5])                                  \
+  X(up_to_one, ">= 0 and <= 1", x >= 0 && x <= 1)                                                       \
+  X(above_lambda_min, "> lambda_min", x > all[6]) /* of law 3's entries */
+
+/// The names.
+#define MYOGROWTH_ROW(name, words, check) name,
+enum class Allowed { MYOGROWTH_ALLOWED(MYOGROWTH_ROW) };
+#undef MYOGROWTH_ROW
+
+/// What is allowed, in words.
+#define MYOGROWTH_ROW(name, words, check) words,
+inline const char* text(Allowed allowed) {
+  static constexpr const char* words[] = {MYOGROWTH_ALLOWED(MYOGROWTH_ROW)};
+  return words[static_cast<int>(allowed)];
+}
+#undef MYOGROWTH_ROW
+
+/// Whether `x`, a finite number, is allowed among the others.
+#define MYOGROWTH_ROW(name, words, check) \
+  case Allowed::name:                     \
+    return check;
+inline bool is_in_range(Allowed allowed, double x, const double* all) {
+  switch (allowed) { MYOGROWTH_ALLOWED(MYOGROWTH_ROW) }
+  return false;
+}
+#undef MYOGROWTH_ROW
 
 /// One entry of PROPS.
 struct Property {
@@ -121,61 +144,6 @@ inline int find_property(const char* symbol) {
     if (std::strcmp(symbol, property(i).symbol) == 0) return i;
   }
   return -1;
-}
-
-/// What is allowed, in words.
-inline const char* text(Allowed allowed) {
-  switch (allowed) {
-    case Allowed::positive:
-      return "> 0";
-    case Allowed::not_negative:
-      return ">= 0";
-    case Allowed::above_one:
-      return "> 1";
-    case Allowed::bulk_positive:
-      return "> -2/3 c2 (positive bulk modulus)";
-    case Allowed::any:
-      return "finite";
-    case Allowed::zero_or_one:
-      return "0 or 1";
-    case Allowed::below_one:
-      return "> 0 and < 1";
-    case Allowed::up_to_lambda_crit:
-      return "> 0 and <= lambda_crit";
-    case Allowed::up_to_one:
-      return ">= 0 and <= 1";
-    case Allowed::above_lambda_min:
-      return "> lambda_min";
-  }
-  return "";
-}
-
-/// Whether `x`, a finite number, is allowed among the others.
-inline bool is_in_range(Allowed allowed, double x, const double* all) {
-  const double c2 = all[1], lambda_crit = all[5];
-  switch (allowed) {
-    case Allowed::positive:
-      return x > 0;
-    case Allowed::not_negative:
-      return x >= 0;
-    case Allowed::above_one:
-      return x > 1;
-    case Allowed::bulk_positive:
-      return x >= 0 || !(c2 > 0) || x > -2 * c2 / 3;  // a bad c2 is reported as such
-    case Allowed::any:
-      return true;
-    case Allowed::zero_or_one:
-      return x == 0 || x == 1;
-    case Allowed::below_one:
-      return x > 0 && x < 1;
-    case Allowed::up_to_lambda_crit:
-      return x > 0 && x <= lambda_crit;
-    case Allowed::up_to_one:
-      return x >= 0 && x <= 1;
-    case Allowed::above_lambda_min:
-      return x > all[6];  // of law 3's own entries
-  }
-  return false;
 }
 
 /// PROPS in the kernel's terms.

@@ -114,16 +114,13 @@ bool write(const Block& b, int k, const abi::Result& r) {
   read_stretch(b, b.stretch_old, k, U_old);
   const double J_mid = (determinant(U_old) + r[abi::row_of_state(3)]) / 2;
   const Number energy = static_cast<Number>(r[myogrowth_row_psi] / (b.density[k] * J_mid));
-  bool finite = is_finite(energy);
+  Number stress[6], state[abi::n_kept];
   for (int i = 0; i < 6; ++i)
-    finite = finite && is_finite(static_cast<Number>(r[myogrowth_row_stress + i * myogrowth_block_points]));
-  for (int i = 0; i < abi::n_kept; ++i)
-    finite = finite && is_finite(static_cast<Number>(r[abi::row_of_state(i)]));
-  if (!finite) return false;
-  for (int i = 0; i < 6; ++i)
-    b.stress[b.at(k, place[i])] = static_cast<Number>(r[myogrowth_row_stress + i * myogrowth_block_points]);
-  for (int i = 0; i < abi::kept_entries(b.nstatev); ++i)
-    b.state[b.at(k, i)] = static_cast<Number>(r[abi::row_of_state(i)]);
+    stress[i] = static_cast<Number>(r[myogrowth_row_stress + i * myogrowth_block_points]);
+  for (int i = 0; i < abi::n_kept; ++i) state[i] = static_cast<Number>(r[abi::row_of_state(i)]);
+  if (!(is_finite(energy) && are_finite(stress, 6) && are_finite(state, abi::n_kept))) return false;
+  for (int i = 0; i < 6; ++i) b.stress[b.at(k, place[i])] = stress[i];
+  for (int i = 0; i < abi::kept_entries(b.nstatev); ++i) b.state[b.at(k, i)] = state[i];
   b.energy[k] = energy;
   return true;
 }

@@ -8,9 +8,9 @@
 namespace probe {
 
 /// What the host did with an argument, as far as the observations leave a choice. Sets of hypotheses: an
-/// observation strikes out those that do not explain it.
+/// observation strikes out those that do not explain it, and the first one also `unseen`.
 using Set = unsigned;
-constexpr Set all = ~0u;
+constexpr Set all = ~0u, unseen = 1u << 31;
 
 enum : Set {  // DFGRD1; R the rotation of the polar decomposition, A another
   fixed = 1,
@@ -33,7 +33,15 @@ enum : Set {  // STRESS on entry
 };
 enum : Set { pnewdt_one = 1, pnewdt_huge = 2, pnewdt_negative = 4, pnewdt_other = 8 };
 enum : Set { time_of_start = 1, time_of_end = 2 };
+enum : Set { dtime_right = 1 };
 enum : Set { strain_zero = 1, strain_small = 2, strain_rate = 4 };
+enum : Set {  // STATEV; what has happened, not what is left
+  state_strange = 1,
+  state_lost = 2,
+  state_not_restored = 4,
+  state_restored = 8,
+  state_kept = 16
+};
 enum { as_given, transposed, symmetrised, upper, lower, n_uses };  // DDSDDE
 
 struct Evaluation {
@@ -51,13 +59,10 @@ struct Watch {
   double converged_t = -1, converged_t_before = -1;
 
   int ndi = 0, nshr = 0, ntens = 0;
-  double first_state = 0;
-  int state_kept = 0, state_restored = 0, state_not_restored = 0, state_lost = 0, state_strange = 0;
-  Set pnewdt = 0;
-  double pnewdt_last = 0;
-  int frames_seen = 0, stresses_seen = 0, times_seen = 0, strains_seen = 0, dtimes_seen = 0;
-  Set frame = all, stress = all, time = all, strain = all;
-  bool dtime_wrong = false, no_deformation = false;
+  double first_state = 0, pnewdt_last = 0;
+  Set state = 0, pnewdt = 0;
+  Set frame = all, stress = all, time = all, dtime = all, strain = all;
+  bool no_deformation = false;
   double angle = 0, angle_first = 0, angle_spread = 0, offset = 0, offset_first = 0, offset_spread = 0;
   double scale = 0;
   double F_last[9] = {};
@@ -93,6 +98,7 @@ inline void see_frame(const Evaluation& e) {
   if (p_size && near(m.p * f.q, m.q * f.p, ok)) fits |= other_local;
   if (p_size && near(conj(m.p) * f.q, m.q * f.p, ok)) fits |= other_local_transposed;
   for (int i = 0; i < 9; ++i) watch.F_last[i] = e.F[i];
+  const bool is_first = watch.frame & unseen;
   watch.frame &= fits;
 
   // The angle of the basis: against fixed axes, and against R.
@@ -101,7 +107,7 @@ inline void see_frame(const Evaluation& e) {
                            : (watch.frame & classical_local)                        ? (of_q - R) / 2
                                                                                     : of_q - R);
   watch.angle = half_turn(watch.offset + R);
-  if (watch.frames_seen++ == 0) {
+  if (is_first) {
     watch.angle_first = watch.angle;
     watch.offset_first = watch.offset;
   }
@@ -155,22 +161,18 @@ inline void see_stress(const Evaluation& e, const double* stress, double unit) {
   if (std::abs(factor) > 0.1 && is_held(s, 0, factor)) fits |= scaled;
   watch.scale = factor;
   watch.stress &= fits;
-  ++watch.stresses_seen;
 }
 
 inline void see_state(double entry, double previous_id, bool whole) {
   const bool inner = !watch.first_of_increment;
   if (!whole) {
-    ++watch.state_strange;
+    watch.state |= state_strange;
   } else if (entry == watch.converged_id) {
-    if (inner && watch.n_converged > 0) ++watch.state_restored;
-    if (!inner && watch.n_converged > 0) ++watch.state_kept;
+    if (watch.n_converged > 0) watch.state |= inner ? state_restored : state_kept;
   } else if (inner && entry == previous_id) {
-    ++watch.state_not_restored;
-  } else if (entry == 0) {
-    ++watch.state_lost;
+    watch.state |= state_not_restored;
   } else {
-    ++watch.state_strange;
+    watch.state |= entry == 0 ? state_lost : state_strange;
   }
 }
 
@@ -185,11 +187,9 @@ inline void converge(const Evaluation& e) {
   if (near(e.time[1] + e.dtime, e.t, 1e-3)) fits |= time_of_start;
   if (near(e.time[1], e.t, 1e-3)) fits |= time_of_end;
   watch.time &= fits;
-  ++watch.times_seen;
-  if (watch.converged_t_before > free_until + 0.5) {
-    ++watch.dtimes_seen;
-    if (!near(e.dtime, e.t - watch.converged_t_before, 1e-3)) watch.dtime_wrong = true;
-  }
+  if (!(watch.converged_t_before > free_until + 0.5)) return;
+  const bool is_right = near(e.dtime, e.t - watch.converged_t_before, 1e-3);
+  watch.dtime &= is_right ? Set(dtime_right) : 0;
 }
 
 inline void see_strain(const Evaluation& e, const double* dstran) {
@@ -210,7 +210,6 @@ inline void see_strain(const Evaluation& e, const double* dstran) {
   if (is(d)) fits |= strain_small;
   if (is(rate)) fits |= strain_rate;
   watch.strain &= fits;
-  ++watch.strains_seen;
   for (int i = 3; i < 6; ++i) {
     if (std::abs(dstran[i]) > 0.02) watch.shear_place = i;
   }
@@ -218,18 +217,9 @@ inline void see_strain(const Evaluation& e, const double* dstran) {
 
 inline double used(int use, int i, int j) {
   const double given = modulus[i][j], other = modulus[j][i];
-  switch (use) {
-    case as_given:
-      return given;
-    case transposed:
-      return other;
-    case symmetrised:
-      return (given + other) / 2;
-    case upper:
-      return i < j ? given : other;
-    default:
-      return i > j ? given : other;
-  }
+  const double by_use[n_uses] = {given, other, (given + other) / 2, i < j ? given : other,
+                                 i > j ? given : other};
+  return by_use[use];
 }
 
 /// Newton's method moves the free strains so that 0 = sigma + K d(strain) in 22 and 33: which K did the host
