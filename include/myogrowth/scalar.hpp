@@ -230,17 +230,8 @@ MYOGROWTH_FUNCTION inline float rounded(float x) {
 
 namespace detail {
 
-template <class V>
-struct BitsOf;
-template <>
-struct BitsOf<float> {
-  using Type = std::uint32_t;
-};
-template <>
-struct BitsOf<double> {
-  using Type = std::uint64_t;
-};
-template <class V, class Bits = typename BitsOf<V>::Type>
+/// Of a float or a double.
+template <class V, class Bits = std::conditional_t<sizeof(V) == sizeof(float), std::uint32_t, std::uint64_t>>
 MYOGROWTH_FUNCTION Bits bits_of(V x) {
   Bits bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -248,7 +239,7 @@ MYOGROWTH_FUNCTION Bits bits_of(V x) {
   return bits;
 }
 /// The exponent of NaN and infinity has all bits set.
-template <class V, class Bits = typename BitsOf<V>::Type>
+template <class V, class Bits = decltype(bits_of(V()))>
 MYOGROWTH_FUNCTION bool is_finite_by_bits(V x) {
   constexpr Bits exponent = (~Bits(0) >> 1) & (~Bits(0) << (std::numeric_limits<V>::digits - 1));
   return (bits_of(x) & exponent) != exponent;

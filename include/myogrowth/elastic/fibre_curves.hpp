@@ -80,14 +80,17 @@ MYOGROWTH_FUNCTION CurveAreas<T> passive_areas(const T& l, const P& a, const P& 
 namespace detail {
 
 /// The pieces of the active curve, p (l-q)^2 + r from one stretch to the next.
-struct ActivePiece {
-  double from, to, p, q, r;
-};
+template <class V>
 struct ActivePieces {
-  ActivePiece all[3];
+  struct {
+    V from, to, p, q, r;
+  } all[3];
 };
-MYOGROWTH_FUNCTION constexpr ActivePieces active_pieces() {
-  return {{{0.4, 0.6, 9, 0.4, 0}, {0.6, 1.4, -4, 1, 1}, {1.4, 1.6, 9, 1.6, 0}}};
+template <class V>
+MYOGROWTH_FUNCTION constexpr ActivePieces<V> active_pieces() {
+  return {{{V(0.4), V(0.6), V(9), V(0.4), V(0)},
+           {V(0.6), V(1.4), V(-4), V(1), V(1)},
+           {V(1.4), V(1.6), V(9), V(1.6), V(0)}}};
 }
 
 }  // namespace detail
@@ -97,15 +100,13 @@ template <class T>
 MYOGROWTH_FUNCTION Curve<T> active_curve(const T& l) {
   using V = Real<T>;
   Curve<T> c{T(V(0)), T(V(0))};
-  const detail::ActivePieces pieces = detail::active_pieces();
-  for (const detail::ActivePiece& piece : pieces.all) {
-    const V p(piece.p), q(piece.q), r(piece.r);
-    const T distance = l - T(q);
-    const auto after = deciding(l) > deciding(T(V(piece.from)));
-    const auto before = deciding(l) <= deciding(T(V(piece.to)));
+  const auto pieces = detail::active_pieces<V>();
+  for (const auto& i : pieces.all) {
+    const T distance = l - T(i.q);
+    const auto after = deciding(l) > deciding(T(i.from)), before = deciding(l) <= deciding(T(i.to));
     const auto here = after & before;
-    c.f = select(here, T(p * distance * distance + r), c.f);
-    c.df = select(here, T(V(2) * p * distance), c.df);
+    c.f = select(here, T(i.p * distance * distance + i.r), c.f);
+    c.df = select(here, T(V(2) * i.p * distance), c.df);
   }
   return c;
 }
@@ -115,15 +116,14 @@ template <class T>
 MYOGROWTH_FUNCTION CurveAreas<T> active_areas(const T& l) {
   using V = Real<T>;
   CurveAreas<T> c{T(V(0)), T(V(0))};
-  const detail::ActivePieces pieces = detail::active_pieces();
-  for (const detail::ActivePiece& piece : pieces.all) {
-    const V from(piece.from), p(piece.p), q(piece.q), r(piece.r);
-    if (!(value(l) > from)) break;
-    const T to = value(l) > V(piece.to) ? T(V(piece.to)) : l, to_q = to - q;
-    c.area =
-        c.area + p / V(3) * (to_q * to_q * to_q - T((from - q) * (from - q) * (from - q))) + r * (to - from);
-    c.area_per_l = c.area_per_l + (p * q * q + r) * log(T(to / from)) - V(2) * p * q * (to - from) +
-                   p / V(2) * (to - from) * (to + from);
+  const auto pieces = detail::active_pieces<V>();
+  for (const auto& i : pieces.all) {
+    if (!(value(l) > i.from)) break;
+    const T to = value(l) > i.to ? T(i.to) : l, length = to - i.from, end = to - i.q;
+    const V start = i.from - i.q;
+    c.area = c.area + i.p / V(3) * (end * end * end - T(start * start * start)) + i.r * length;
+    c.area_per_l = c.area_per_l + (i.p * i.q * i.q + i.r) * log(T(to / i.from)) - V(2) * i.p * i.q * length +
+                   i.p / V(2) * length * (to + i.from);
   }
   return c;
 }

@@ -65,12 +65,6 @@ MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate) {
   return failure;
 }
 
-/// Entry row, column of the spatial modulus.
-template <class T>
-MYOGROWTH_FUNCTION T modulus_entry(const T c[36], int row, int column) {
-  return c[row + 6 * column];
-}
-
 }  // namespace detail
 
 /// Plane stress in the 1-2 plane (membranes, shells): F is known only in the plane, and the thickness
@@ -87,13 +81,14 @@ MYOGROWTH_FUNCTION UpdateStatus plane_stress(const Material& material, const T F
   using V = Real<T>;
   const T zero(0);
   T full[36];
+  const auto modulus = [&](int row, int column) { return full[row + 6 * column]; };
   T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
   const UpdateStatus status = detail::free_stretch(x, [&](const T& F33, T& stress, T& slope) {
     const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
     const UpdateStatus made = update_point(material, F3, n0, G_n, lambda_n, dt, u, activation...);
     spatial_modulus(u, full);
     stress = u.tau[2];
-    slope = detail::modulus_entry(full, 2, 2);
+    slope = modulus(2, 2);
     return made;
   });
   if (status != UpdateStatus::ok) {
@@ -106,9 +101,7 @@ MYOGROWTH_FUNCTION UpdateStatus plane_stress(const Material& material, const T F
   for (int col = 0; col < 3; ++col) {
     for (int row = 0; row < 3; ++row) {
       const int i = in_plane[row], j = in_plane[col];
-      c[row + 3 * col] = detail::modulus_entry(full, i, j) - detail::modulus_entry(full, i, 2) *
-                                                                 detail::modulus_entry(full, 2, j) /
-                                                                 detail::modulus_entry(full, 2, 2);
+      c[row + 3 * col] = modulus(i, j) - modulus(i, 2) * modulus(2, j) / modulus(2, 2);
     }
   }
   return status;
@@ -127,13 +120,14 @@ MYOGROWTH_FUNCTION UpdateStatus uniaxial_stress(const Material& material, const 
   using V = Real<T>;
   const T zero(0), n0[3] = {T(V(1)), zero, zero};
   T c[36];
+  const auto modulus = [&](int row, int column) { return c[row + 6 * column]; };
   T x = value(lateral) > 0 && is_finite(lateral) ? lateral : T(V(1));
   const UpdateStatus status = detail::free_stretch(x, [&](const T& side, T& stress, T& dstress) {
     const T F[9] = {stretch, zero, zero, zero, side, zero, zero, zero, side};
     const UpdateStatus made = update_point(material, F, n0, G_n, lambda_n, dt, u, activation...);
     spatial_modulus(u, c);
     stress = u.tau[1];
-    dstress = detail::modulus_entry(c, 1, 1) + detail::modulus_entry(c, 1, 2);
+    dstress = modulus(1, 1) + modulus(1, 2);
     return made;
   });
   if (status != UpdateStatus::ok) {
@@ -142,9 +136,7 @@ MYOGROWTH_FUNCTION UpdateStatus uniaxial_stress(const Material& material, const 
     return status;
   }
   lateral = x;
-  slope = detail::modulus_entry(c, 0, 0) -
-          (detail::modulus_entry(c, 0, 1) + detail::modulus_entry(c, 0, 2)) * detail::modulus_entry(c, 1, 0) /
-              (detail::modulus_entry(c, 1, 1) + detail::modulus_entry(c, 1, 2));
+  slope = modulus(0, 0) - (modulus(0, 1) + modulus(0, 2)) * modulus(1, 0) / (modulus(1, 1) + modulus(1, 2));
   return status;
 }
 
