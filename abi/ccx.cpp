@@ -1,4 +1,4 @@
-// CalculiX's face of the law, libMYOGROWTH.so, for a ccx that can load libraries (examples/calculix):
+// The law for CalculiX, libMYOGROWTH.so, for a ccx that can load libraries (examples/calculix):
 //
 //   *MATERIAL, NAME=@ABAQUS_MYOGROWTH_CCX     CalculiX's interface for Abaqus UMATs of small strain
 //   *MATERIAL, NAME=@MYOGROWTH_NATIVE         CalculiX's own interface

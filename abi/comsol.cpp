@@ -1,4 +1,4 @@
-// COMSOL's face of the law: an External Material of the type "General stress-deformation relation". It is
+// The law for COMSOL: an External Material of the type "General stress-deformation relation". It is
 // given no length of the step, so time comes as a parameter and goes as a state:
 //
 //   parameters   t, then PROPS(1), PROPS(2) ... (docs/manual.md); t is COMSOL's name of the present time

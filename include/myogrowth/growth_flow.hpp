@@ -4,7 +4,8 @@
 /// With the stretch held, eq. 4 is autonomous, and the time to get from G_n to G is an integral. Let u be the
 /// distance from G to where growth ends, min(G_max, lambda/lambda_crit):
 ///
-///   dt k_g(G_n) = Int_u^u_n g / (kappa q) du',   kappa = (room/room_n)^gamma,   q = lambda - lambda_crit g
+///   dt k_g(G_n) = Int_u^u_n g / (kappa q) du'
+///   kappa = (|limit - g|/|limit - G_n|)^gamma,   q = lambda - lambda_crit g
 ///
 /// The integrand has its poles at u = 0 or beyond. So ten Gauss points give it to rounding on panels that go
 /// a fixed part of what is left of u, whatever dt, and the u at which it reaches the left side is found by
@@ -51,7 +52,7 @@ MYOGROWTH_FUNCTION V flow_panel(V gamma) {
 template <class T, class V, int sign>
 struct Flow {
   Branch<V, sign> b;
-  T G_n, lambda, end, per_r, u_n, room_end, q_end;
+  T G_n, lambda, end, per_r, u_n, to_limit_end, q_end;
   T a;  ///< growth number, dt k_g(G_n)
 
   MYOGROWTH_FUNCTION Flow(const Branch<V, sign>& branch, const LaneMask<T>& moves, const T& G_n_,
@@ -64,20 +65,20 @@ struct Flow {
     end = select(moves, b.end(lambda), b.on(G_n, T(G_n * T(V(0.5)))));
     u_n = b.ahead(end, G_n);
     const LaneMask<T> at_limit = moves & (end == limit);
-    room_end = select(moves & !at_limit, b.ahead(limit, end), zero);
+    to_limit_end = select(moves & !at_limit, b.ahead(limit, end), zero);
     q_end = select(at_limit, b.ahead(lambda, T(T(b.crit) * limit)), zero);
     a = select(moves, dt, zero) * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
   }
 
   /// Where it is at u.
   struct At {
-    T room, kappa, q, g;
+    T to_limit, kappa, q, g;
     /// Distance over time.
     MYOGROWTH_FUNCTION T speed() const { return kappa * q / g; }
   };
   MYOGROWTH_FUNCTION At at(const T& u) const {
-    const T room = room_end + u;
-    return {room, b.to_gamma(T(room * per_r)), q_end + T(b.crit) * u, b.on(end, T(-u))};
+    const T to_limit = to_limit_end + u;
+    return {to_limit, b.to_gamma(T(to_limit * per_r)), q_end + T(b.crit) * u, b.on(end, T(-u))};
   }
 
   /// Integrals from u on over a distance y: of g/(kappa q), the time, and of g/(kappa q^2), from which
@@ -104,9 +105,10 @@ struct Flow {
   MYOGROWTH_FUNCTION T distance(const T& u, const T& time, const T& most) const {
     const At here = at(u);
     const T zero(V(0)), one(V(1)), gamma(b.gamma);
-    const T per_room = one / here.room, per_q = T(b.crit) / here.q, per_g = one / here.g;
-    const T l = T(V(sign)) * per_g + gamma * per_room + per_q;  // (ln dtime/ddistance)', and its derivative
-    const T dl = gamma * per_room * per_room + per_q * per_q - per_g * per_g;
+    const T per_to_limit = one / here.to_limit, per_q = T(b.crit) / here.q, per_g = one / here.g;
+    const T l =
+        T(V(sign)) * per_g + gamma * per_to_limit + per_q;  // (ln dtime/ddistance)', and its derivative
+    const T dl = gamma * per_to_limit * per_to_limit + per_q * per_q - per_g * per_g;
     const T first = time * (here.kappa * here.q * per_g);
     const T divisor = one + first * (l * T(V(0.5)) + first * (dl * T(V(1) / 6) - l * l * T(V(1) / 12)));
     const LaneMask<T> is_valid = divisor > zero;

@@ -158,7 +158,7 @@ struct StepEquation {
   /// The two sides of the equation at a G, and what its derivative is made of.
   struct Sides {
     T x, y, g;      ///< |limit - G|/r, |G - G_n|/r and G/r
-    T k, kq, done;  ///< A x^gamma; right side; left side
+    T k, rhs, lhs;  ///< A x^gamma; right side; left side
   };
   MYOGROWTH_FUNCTION Sides sides(const T& x, const T& y, const T& g, const T& q) const {
     const T k = A * b.to_gamma(x);
@@ -181,7 +181,7 @@ struct StepEquation {
   /// dG/dlambda at the root, by the implicit function theorem; 0 where G is not free to change.
   MYOGROWTH_FUNCTION T dG_dlambda(const Sides& s, const LaneMask<T>& is_free) const {
     const T zero(Real<T>(0)), tiny((std::numeric_limits<Real<T>>::min)());
-    const T derivative = s.k * s.x / maximum(slope_times_x(s, s.done), tiny);
+    const T derivative = s.k * s.x / maximum(slope_times_x(s, s.lhs), tiny);
     // (Its bound, where k x has lost its digits.)
     return select(is_free, sign > 0 ? minimum(derivative, T(b.per_crit)) : derivative, zero);
   }
@@ -202,12 +202,12 @@ struct StepEquation {
   struct Fraction {
     T over, under;
   };
-  MYOGROWTH_FUNCTION Fraction fourth_order_step(const T& kq, const T& kc, const T& done, const T& rate,
+  MYOGROWTH_FUNCTION Fraction fourth_order_step(const T& rhs, const T& kc, const T& lhs, const T& rate,
                                                 const T& curvature) const {
     const P c = b.gamma;
     const T g1(c), g2(c * (c - 1) / 2), g3(c * (c - 1) * (c - 2) * P(1.0 / 6));
-    const T f = kq - done, slope = (rate + kc) + g1 * kq;
-    const T a2 = b.ahead(curvature, T(P(0))) - g1 * kc - g2 * kq, a3 = g2 * kc + g3 * kq;
+    const T f = rhs - lhs, slope = (rate + kc) + g1 * rhs;
+    const T a2 = b.ahead(curvature, T(P(0))) - g1 * kc - g2 * rhs, a3 = g2 * kc + g3 * rhs;
     const T square = slope * slope;
     return {f * (square + a2 * f), slope * square + f * ((a2 + a2) * slope + a3 * f)};
   }
@@ -263,7 +263,7 @@ MYOGROWTH_FUNCTION T step_of_power(const T& step, const T& x, V gamma) {
 /// One step in the lanes that move: G and dG/dlambda.
 template <class T>
 struct SolvedStep {
-  T x, y;  ///< what is left of the way to the limit, and what is done of it [-]
+  T x, y;  ///< what is left of the way to the limit, and what has been gone of it [-]
   T G, dG_dlambda;
   LaneMask<T> left;  ///< lanes without a result, in packs
   int iterations;
@@ -303,7 +303,7 @@ MYOGROWTH_FUNCTION StepRoot<T> newton(const StepEquation<T, V, sign>& eq, const 
   active = active & !lost;
   for (; root.iterations < patience && any(active); ++root.iterations) {
     const auto s = eq.sides_at_G(select(active, G, eq.G_n));
-    const T residual = (s.kq - s.done) * s.x, slope = eq.slope_times_x(s, s.kq);
+    const T residual = (s.rhs - s.lhs) * s.x, slope = eq.slope_times_x(s, s.rhs);
     // For growth R is concave over G, which is the equation over G/r; for removal the equation itself.
     const T over = sign > 0 ? T(residual * s.g) : residual;
     const T under = sign > 0 ? T(slope * s.g + residual) : slope;
@@ -347,7 +347,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void bisect(const StepEquation<V, V, sign>
     const V middle = near_by ? G + (end - G) / 2 : sqrt(G) * sqrt(end);
     if (!(eq.b.precedes(G, middle) && eq.b.precedes(middle, end))) break;
     const auto s = eq.sides_at_G(middle);
-    (s.kq > s.done ? G : end) = middle;
+    (s.rhs > s.lhs ? G : end) = middle;
   }
 }
 /// @}
@@ -388,7 +388,8 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
   constexpr bool is_number = std::is_same<T, V>::value;
   // (A time or a gamma so far out that the growth number is 0 times infinity.)
   if (is_number && any(!is_finite(eq.A))) return {nan, nan, nan, nan, !moves, 0};
-  // If an explicit step would leave the bracket, steps from y = 0 lead nowhere. (Packs ask later, if at all.)
+  // If an explicit step would leave the bracket, steps from y = 0 do not converge. (Packs ask later, if at
+  // all.)
   const bool is_long = is_number && any(eq.leaves_bracket(eq.part_of(end)));
   LaneMask<T> solved = !moves;
   T y = zero, G = G_n;
@@ -400,7 +401,7 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
     // Growth goes on in y; removal in G, which may be far below G_n, where y has too few digits for it.
     const T nearest(epsilon), G_1 = b.first(b.on(G_n, T(eq.r * y)), b.on(limit, T(-eq.r * nearest)));
     const auto s = sign > 0 ? eq.sides_at_y(y, maximum(T(one - y), nearest)) : eq.sides_at_G(G_1);
-    const auto more = eq.fourth_order_step(s.kq, T(s.k * crit * s.x), s.done, T(eq.E * b.on(s.g, s.y) * s.x),
+    const auto more = eq.fourth_order_step(s.rhs, T(s.k * crit * s.x), s.lhs, T(eq.E * b.on(s.g, s.y) * s.x),
                                            T(eq.E * (s.x * s.x)));
     // (Products below all numbers say nothing.)
     const LaneMask<T> is_valid = more.under > T((std::numeric_limits<V>::min)() / epsilon);
@@ -408,7 +409,7 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
     y = s.y + step;
     G = sign > 0 ? b.on(G_n, T(eq.r * y)) : b.on(G_1, T(eq.r * step));
     // What such a step leaves is well below C^3 step^4, C = (1 + gamma)/x + 1/g: less than G's last place
-    // is left. It may lead astray, but growth has only one root with y < 1 and g > 0; removal has one in
+    // is left. It may be far off, but growth has only one root with y < 1 and g > 0; removal has one in
     // the bracket.
     const T g = b.on(s.g, step), unit = g * s.x;
     const T C_step = step * (T(1 + b.gamma) * g + s.x);
@@ -461,7 +462,7 @@ MYOGROWTH_FUNCTION GrowthStep<T> step_of(const Branch<P, sign>& b, const T& G_n,
   const StepEquation<T, P, sign> eq(b, true, G_n, lambda, dt);
   const T x(values.x), y(values.y);
   auto s = eq.sides_at_y(y, x);
-  T step = (s.kq - s.done) * s.x / eq.slope_times_x(s, s.done);
+  T step = (s.rhs - s.lhs) * s.x / eq.slope_times_x(s, s.lhs);
   step = step - T(value(step));
   const T y_end = y + step, G = b.on(G_n, T(eq.r * y_end));
   s = eq.sides_at_y(y_end, T(x - step));

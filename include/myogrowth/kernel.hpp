@@ -266,7 +266,7 @@ MYOGROWTH_FUNCTION void stress(const FibreGrowth<P>& material, const Deformation
     out.dtau_dG[i] = i < 3 ? T(dtau_I + dtau_fe * fefe[i]) : T(dtau_fe * fefe[i]);
     if (i < 3) trace = trace + be_minus_I;
   }
-  if (grown) {  // (not above, where a branch would keep the loop a loop)
+  if (grown) {  // separate loop: a branch inside prevents unrolling
     for (int i = 0; i < 6; ++i) out.dtau_dG[i] = out.dtau_dG[i] + out.tau[i] * per_G;
   }
   out.psi = (pressure * ln_Je + out.c2 * (trace - (ln_Je + ln_Je))) / V(2);

@@ -1,5 +1,5 @@
 /// @file
-/// The C++ face of myogrowth: update a material point, read the measures that your code works in.
+/// The C++ interface of myogrowth: update a material point, read the measures that your code works in.
 ///
 ///     myogrowth::FibreGrowth<> muscle;                        // the paper's Table 1: kPa, days
 ///     myogrowth::State<> state;                               // G = 1, fibre along x

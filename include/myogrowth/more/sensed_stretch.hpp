@@ -68,9 +68,10 @@ MYOGROWTH_FUNCTION SensedRate<T> sensed_rate(const SensedStretch<P>& law, const 
     k = law.growth.adaptation(G);
     dk = law.growth.dadaptation_dG(G);
   } else {
-    const T room = G - law.removal.G_min;
-    k = power(T(room / (law.growth.G_max - law.removal.G_min)), law.removal.gamma_rev) / -law.removal.tau_rev;
-    dk = law.removal.gamma_rev * k / room;
+    const T to_limit = G - law.removal.G_min;
+    k = power(T(to_limit / (law.growth.G_max - law.removal.G_min)), law.removal.gamma_rev) /
+        -law.removal.tau_rev;
+    dk = law.removal.gamma_rev * k / to_limit;
   }
   const T x = grows ? up : down, part = one / (one + law.per_x_half * x), f = x * part;
   const T k_slope = (grows ? k : T(-k)) * part * part;  // k df/ds
