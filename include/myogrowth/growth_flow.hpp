@@ -167,7 +167,6 @@ template <class V, int sign>
 MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void find_in_bracket(const Flow<V, V, sign>& flow, V panel,
                                                            FlowProgress<V>& p, int& iterations) {
   constexpr int most_panels = 200000;  // more than there are
-  if (!p.left) return;
   p.left = false;
   if (!is_finite(flow.a)) p.ended = true;  // (dt, or a gamma so large that k_g(G_n) is infinite)
   if (!p.ended) p = pass_panels(flow, panel, p, true, most_panels, iterations);
@@ -237,7 +236,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowResult<T> follow(Branch<V, sign> b, La
   }
   p.left = p.left | active;
   p.sensitivity = select(p.left, before, p.sensitivity);
-  find_in_bracket(flow, panel, p, iterations);
+  if (is_number && any(p.left)) find_in_bracket(flow, panel, p, iterations);
 
   const T y = select(p.left | p.ended, zero, p.y);
   const T u = p.u - y;

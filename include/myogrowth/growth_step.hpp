@@ -337,7 +337,6 @@ MYOGROWTH_FUNCTION void bisect(const StepEquation<T, V, sign>&, const T&, StepRo
 template <class V, int sign>
 MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE void bisect(const StepEquation<V, V, sign>& eq, V end,
                                                   StepRoot<V>& root) {
-  if (!root.left) return;
   root.left = false;
   V& G = root.G = eq.G_n;
   constexpr int most = 200;  // 12 geometric means bring any two numbers near, 64 halvings to rounding
@@ -363,7 +362,7 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE SolvedStep<T> solve_further(Branch<V, sign
   const T end = b.end(lambda);
   const LaneMask<T> active = found.left & !eq.out_of_range;
   StepRoot<T> root = newton(eq, end, found.G, active);
-  bisect(eq, end, root);
+  if (std::is_same<T, V>::value && any(root.left)) bisect(eq, end, root);
   const T G = select(active, b.last(b.first(root.G, end), G_n), G_n);
   const auto s = eq.sides_at_G(G);
   const T dG_dlambda = eq.dG_dlambda(s, b.precedes(G, T(b.limit)));
