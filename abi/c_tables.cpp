@@ -26,6 +26,11 @@ const abi::LawParameters* law_of(int law) {
 const abi::Property* law_entry(int law, int i) {
   return law_of(law) && 0 <= i && i < law_of(law)->size ? &law_of(law)->entry[i] : nullptr;
 }
+// The columns of a row, which is null where there is none.
+const char* symbol(const abi::Property* row) { return row ? row->symbol : nullptr; }
+const char* unit(const abi::Property* row) { return row ? row->unit : nullptr; }
+const char* meaning(const abi::Property* row) { return row ? row->meaning : nullptr; }
+const char* allowed(const abi::Property* row) { return row ? abi::text(row->allowed) : nullptr; }
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 #define MYOGROWTH_TEXT_OF(x) #x
@@ -58,10 +63,10 @@ const char* myogrowth_version_text(void) {
 
 int myogrowth_n_props(void) { return abi::n_props; }
 int myogrowth_n_props_required(void) { return abi::n_props_required; }
-const char* myogrowth_prop_symbol(int i) { return prop(i) ? prop(i)->symbol : nullptr; }
-const char* myogrowth_prop_unit(int i) { return prop(i) ? prop(i)->unit : nullptr; }
-const char* myogrowth_prop_meaning(int i) { return prop(i) ? prop(i)->meaning : nullptr; }
-const char* myogrowth_prop_allowed(int i) { return prop(i) ? abi::text(prop(i)->allowed) : nullptr; }
+const char* myogrowth_prop_symbol(int i) { return symbol(prop(i)); }
+const char* myogrowth_prop_unit(int i) { return unit(prop(i)); }
+const char* myogrowth_prop_meaning(int i) { return meaning(prop(i)); }
+const char* myogrowth_prop_allowed(int i) { return allowed(prop(i)); }
 double myogrowth_prop_default(int i) {
   return prop(i) && i >= abi::n_props_required ? prop(i)->initial : not_a_number;
 }
@@ -70,18 +75,10 @@ int myogrowth_prop_index(const char* symbol) { return symbol ? abi::find_propert
 int myogrowth_n_laws(void) { return abi::n_laws; }
 const char* myogrowth_law_name(int law) { return law_of(law) ? law_of(law)->name : nullptr; }
 int myogrowth_law_n_parameters(int law) { return law_of(law) ? law_of(law)->size : 0; }
-const char* myogrowth_law_symbol(int law, int i) {
-  return law_entry(law, i) ? law_entry(law, i)->symbol : nullptr;
-}
-const char* myogrowth_law_unit(int law, int i) {
-  return law_entry(law, i) ? law_entry(law, i)->unit : nullptr;
-}
-const char* myogrowth_law_meaning(int law, int i) {
-  return law_entry(law, i) ? law_entry(law, i)->meaning : nullptr;
-}
-const char* myogrowth_law_allowed(int law, int i) {
-  return law_entry(law, i) ? abi::text(law_entry(law, i)->allowed) : nullptr;
-}
+const char* myogrowth_law_symbol(int law, int i) { return symbol(law_entry(law, i)); }
+const char* myogrowth_law_unit(int law, int i) { return unit(law_entry(law, i)); }
+const char* myogrowth_law_meaning(int law, int i) { return meaning(law_entry(law, i)); }
+const char* myogrowth_law_allowed(int law, int i) { return allowed(law_entry(law, i)); }
 double myogrowth_law_default(int law, int i) {
   return law_entry(law, i) ? law_entry(law, i)->initial : not_a_number;
 }

@@ -1,6 +1,5 @@
 // The generic behaviours `FibreGrowth` and, with the other elastic laws, `FibreGrowthRoehrle`, `...Blemker`
-// and
-// `...Ehret`: libmyogrowth_mgis.so, for all that loads behaviours through MGIS
+// and `...Ehret`: libmyogrowth_mgis.so, for all that loads behaviours through MGIS
 // (MFrontGenericInterfaceSupport): dolfinx, MFEM-MGIS, OpenGeoSys ... examples/mgis/README.md says how.
 // mgis_layout.hpp has how a point is passed, mgis_symbols.cpp what a host reads before it calls.
 #include <atomic>

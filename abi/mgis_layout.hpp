@@ -3,15 +3,13 @@
 ///
 /// Neither MGIS nor MFront is needed to build this. What is laid out here in our own words are facts of
 /// theirs:
-///   TFEL 4.1  mfront/include/MFront/GenericBehaviour/BehaviourData.h, State.h   the structures, K,
-///   error_message
-///             mfront/include/MFront/GenericBehaviour/Integrate.hxx              K[0], rdt, what is returned
-///             mfront/src/SymbolsGenerator.cxx, GenericBehaviourSymbolsGenerator.cxx     names of the symbols
-///   MGIS 3    include/MGIS/Behaviour/BehaviourDataView.hxx, StateView.hxx       the same structures
-///             include/MGIS/Config.hxx                                           API version 1
-///             src/LibrariesManager.cxx, BehaviourDescription.cxx, Behaviour.cxx what a host reads, and K[2]
-///             = 3 src/FiniteStrainSupport.cxx                                       component orders, rows
-///             first
+///   structures, K, error_message     TFEL 4.1, MFront/GenericBehaviour/BehaviourData.h and State.h;
+///                                    MGIS 3, Behaviour/BehaviourDataView.hxx and StateView.hxx
+///   K[0], rdt, what is returned      TFEL 4.1, MFront/GenericBehaviour/Integrate.hxx
+///   names of the symbols             TFEL 4.1, SymbolsGenerator.cxx, GenericBehaviourSymbolsGenerator.cxx
+///   API version 1                    MGIS 3, Config.hxx
+///   what a host reads, K[2] = 3      MGIS 3, LibrariesManager.cxx, BehaviourDescription.cxx, Behaviour.cxx
+///   component orders, rows first     MGIS 3, FiniteStrainSupport.cxx
 ///
 /// Components: tensors 11 22 33 12 21 13 31 23 32, symmetric ones 11 22 33 12 13 23 with shears times
 /// sqrt(2); in two dimensions the first five and four. Operators are stored row by row.

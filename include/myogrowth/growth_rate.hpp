@@ -60,11 +60,11 @@ struct GrowthRate {
   }
 };
 
-/// Removal of sarcomeres under a lower threshold, an extension of eq. 4 (docs/theory.md); off while tau_rev =
-/// 0.
+/// Removal of sarcomeres under a lower threshold, an extension of eq. 4 (docs/theory.md); off while
+/// tau_rev = 0.
 ///
-///   dG/dt = -k_rev(G) <lambda_crit_rev - lambda_e>,   k_rev = (1/tau_rev) [(G - G_min)/(G_max -
-///   G_min)]^gamma_rev
+///   dG/dt = -k_rev(G) <lambda_crit_rev - lambda_e>
+///   k_rev = (1/tau_rev) [(G - G_min)/(G_max - G_min)]^gamma_rev
 template <class P = double>
 struct RemovalRate {
   P tau_rev = P(0);          ///< > 0: time constant of removal [time]; 0: nothing is removed

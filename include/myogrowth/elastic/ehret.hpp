@@ -6,9 +6,10 @@
 ///   S = gamma/2 [ e^{alpha (I-1)} (L + wa n0⊗n0) - e^{beta (J~-1)} det C C^-1 L C^-1
 ///                 + (J~ e^{beta (J~-1)} - det C^-kappa) C^-1 + (eta/2) n0⊗n0 ]
 ///   wa(lambda) = ln(1 + (4 alpha/gamma) P e^{alpha (1-Ip)})/(alpha lambda^2)
-///   eta(lambda) = e^{alpha (Ip + wa lambda^2 - 1)} lambda dwa/dlambda,  Ip = w0/3 (lambda^2 + 2/lambda) +
-///   (1-w0) lambda^2 P = P_opt a (lambda_opt-lambda_min) (e^{1/2} - e^p),  p = (1 -
-///   ((lambda-lambda_min)/(lambda_opt-lambda_min))^2)/2
+///   eta(lambda) = e^{alpha (Ip + wa lambda^2 - 1)} lambda dwa/dlambda
+///   Ip = w0/3 (lambda^2 + 2/lambda) + (1-w0) lambda^2
+///   P = P_opt a (lambda_opt-lambda_min) (e^{1/2} - e^p)
+///   p = (1 - ((lambda-lambda_min)/(lambda_opt-lambda_min))^2)/2
 ///
 /// C, lambda: those of F_e; P = 0 for lambda <= lambda_min. With a > 0 there is no energy, since eta takes I
 /// in its uniaxial form, and the modulus is unsymmetric also without growth.
