@@ -291,7 +291,7 @@ TEST_F(Hosts, AgreeOnATinyFibreStretch) {
                            MYOGROWTH_CAUCHY, stress.data(), tangent.data(), nullptr, nullptr, nullptr, 0);
     EXPECT_EQ(status, has_result ? MYOGROWTH_OK : MYOGROWTH_NOT_FINITE) << law;
     EXPECT_EQ(failed, has_result ? 0 : 1) << law;
-    if (law == 0) EXPECT_TRUE(has_result);
+    EXPECT_TRUE(has_result || law > 0);
     if (!has_result) continue;
     EXPECT_NEAR(umat.statev[2] / 1e-160, 1, 1e-15);
     EXPECT_EQ(one, umat.statev);
