@@ -73,6 +73,15 @@ inline bool find_value_fault(const FibreGrowth<double>& material, int i, double 
   return !(is_finite(x) && is_in_range(property(i).allowed, x, p)) && tell_bad_entry(i, x, text);
 }
 
+/// True, and the text, if a parameter of the material is not allowed: the same check in the same words for
+/// programs that have no PROPS.
+inline bool find_material_fault(const FibreGrowth<double>& material, Text& text) {
+  double p[n_props];
+  write(material, p);
+  const int bad = find_bad_entry(p);
+  return bad >= 0 && tell_bad_entry(bad, p[bad], text);
+}
+
 /// Reads PROPS(1:nprops) with its options. True, and the text, if entries are missing or one is not allowed.
 template <class R>
 MYOGROWTH_NOINLINE bool find_fault_among_all(const R* props, int nprops, Properties& properties, Text& text) {

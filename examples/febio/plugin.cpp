@@ -18,9 +18,9 @@
 #include <myogrowth/elastic/fibre_growth_of.hpp>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "../../abi/faults.hpp"
 
@@ -259,14 +259,13 @@ struct FEBioLaw {
     for (int a = 0; a < 6; ++a) out.tau[a] = place.m_J * s(symmetric_row(a), symmetric_column(a));
     if (wanted != Wanted::modulus) return;
     const tens4dmm modulus = material->SolidTangent(*point);
-    double c[36];
     for (int b = 0; b < 6; ++b) {
       for (int a = 0; a < 6; ++a) {
-        c[a + 6 * b] =
+        out.c[a + 6 * b] =
             place.m_J * modulus(symmetric_row(a), symmetric_column(a), symmetric_row(b), symmetric_column(b));
       }
     }
-    jaumann_from_truesdell(out.tau, c, out.c);
+    add_rate(out.tau, out.c);  // from Truesdell's modulus Jaumann's
   }
 };
 
@@ -280,12 +279,13 @@ class MyogrowthKinematicGrowth : public GrowingMaterial {
   }
 
   bool Init() override {
+    const std::string type = elastic->GetTypeStr() ? elastic->GetTypeStr() : "";
     const auto refuse = [&](const char* why) {
-      feLogError("%s: <elastic type=\"%s\">: %s", GetName().c_str(), elastic->GetTypeStr(), why);
+      feLogError("%s: <elastic type=\"%s\">: %s", GetName().c_str(), type.c_str(), why);
       return false;
     };
     for (const char* of_own : {"remodeling solid", "micro-material", "micro-material2O", "mindlin elastic"}) {
-      if (std::strcmp(elastic->GetTypeStr(), of_own) == 0)
+      if (type == of_own)
         return refuse("its elements are FEBio's own for it, so it cannot be part of a material.");
     }
     const std::unique_ptr<FEMaterialPointData> data(elastic->CreateMaterialPointData());
