@@ -299,7 +299,7 @@ class FECoreBase {
 
 #define DECLARE_FECORE_CLASS() \
  public:                       \
-  void BuildParamList()
+  void BuildParamList() override
 #define BEGIN_FECORE_CLASS(Class, Base) \
   void Class::BuildParamList() {        \
     Base::BuildParamList();
