@@ -137,16 +137,18 @@ struct StepEquation {
 
   MYOGROWTH_FUNCTION StepEquation(const Branch<P, sign>& branch, const LaneMask<T>& moves, const T& G_n_,
                                   const T& lambda_, const T& dt)
-      : b(branch), G_n(G_n_), lambda(lambda_) {
-    const T zero(Real<T>(0)), one(Real<T>(1));
-    r = rounded(select(moves, b.ahead(T(b.limit), G_n), one));
-    per_r = one / r;
-    const T a = select(moves, dt, zero) * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
-    alpha = G_n * per_r;
-    Q = b.ahead(lambda, T(T(b.crit) * G_n)) * per_r;
+      : b(branch),
+        G_n(G_n_),
+        lambda(lambda_),
+        r(rounded(select(moves, b.ahead(T(b.limit), G_n), T(Real<T>(1))))),
+        per_r(T(Real<T>(1)) / r),
+        alpha(G_n * per_r),
+        Q(b.ahead(lambda, T(T(b.crit) * G_n)) * per_r),
+        A(select(moves, dt, T(Real<T>(0))) * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)))),
+        E(Real<T>(1)),
+        out_of_range(deciding(E) < deciding(E)) {
+    const T a = A, one = E;  // the growth number
     A = a * per_r;
-    E = one;
-    out_of_range = deciding(one) < deciding(one);
     const auto steep = deciding(a) > deciding(one);
     if (any(steep)) {
       E = one / rounded(select(steep, a, one));
