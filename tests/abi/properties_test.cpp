@@ -66,13 +66,20 @@ TEST(Properties, BadValuesAreNamedBySymbol) {
   FibreGrowth<double> good;
   good.removal = RemovalRate<double>{1, 2, 0.5, 1};
   abi::Text text = "";
+  EXPECT_FALSE(abi::find_material_fault(good, text));
   for (const Bad& b : bad) {
     const int i = abi::find_property(b.symbol);
     EXPECT_TRUE(abi::find_value_fault(good, i, b.value, text)) << b.symbol;
     EXPECT_EQ(text, std::string(b.text));
     EXPECT_FALSE(abi::find_value_fault(good, i, *abi::parameter(good, i), text)) << b.symbol;
+    FibreGrowth<double> m = good;
+    *abi::parameter(m, i) = b.value;
+    text[0] = '\0';
+    EXPECT_TRUE(abi::find_material_fault(m, text)) << b.symbol;
+    EXPECT_EQ(text, std::string(b.text));
   }
-  good.removal = RemovalRate<double>{0, -1, 7, 1.5};      // off: need only be finite
+  good.removal = RemovalRate<double>{0, -1, 7, 1.5};  // off: need only be finite
+  EXPECT_FALSE(abi::find_material_fault(good, text));
   EXPECT_TRUE(abi::find_value_fault(good, 15, 7, text));  // but a value that somebody gives is
   EXPECT_TRUE(abi::tell_bad_entry(7, inf, text));         // what may be anything must be finite, once
   EXPECT_EQ(text, std::string("n0_2 = inf: (second component), must be finite."));
