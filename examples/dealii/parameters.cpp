@@ -67,6 +67,7 @@ TimeTable read_activation(const std::string& text, const std::function<void(cons
          common::hint(text));
   auto rows = is_table ? read_table(words, "ACTIVATION", "", fail).rows()
                        : std::vector<std::pair<double, double>>{{0, 0}, {0, number}};
+  if (rows[0].second != 0) rows.insert(rows.begin(), {0, 0});  // it begins with a jump
   for (auto& row : rows) {
     abi::LawChoice taken{};
     if (!abi::take_activation(row.second, taken))

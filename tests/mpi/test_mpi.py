@@ -12,6 +12,7 @@ import tempfile
 import time
 import unittest
 import xml.etree.ElementTree
+import zlib
 
 SOURCE, MUSCLE, C_LIBRARY = (pathlib.Path(p).resolve() for p in sys.argv[1:4])
 sys.path.insert(0, str(SOURCE / "examples" / "calculix"))
@@ -400,6 +401,139 @@ class Homogeneous(Case):
                 for column, value in (("G", G), ("lambda_e", lambda_e)):
                     for of in ("max", "mean", "min"):
                         self.assertAlmostEqual(columns[f"{column}_{of}"][k], value, delta=1e-9)
+
+
+# Constants with which the laws' fibres carry and Newton's method takes ordinary steps; activation and pull of a cube.
+LAWS = {1: ("Roehrle", {"c10": 10, "c01": 10, "kappa": 100, "sigma_p": 300, "sigma_a": 300, "lambda_opt": 1.05}, 0.2, 0.25),
+        2: ("Blemker", {"G1": 10, "G2": 10, "kappa": 100, "sigma_max": 300, "lambda_opt": 1.05}, 0.2, 0.25),
+        3: ("Ehret", {"alpha": 19.69, "beta": 1.19, "gamma_e": 0.5, "kappa": 20}, 0.01, 0.25)}
+
+
+def law_entries(law):
+    name, constants, *_ = LAWS[law]
+    return {"Muscle/Law": law, **{f"{name}/{symbol}": value for symbol, value in constants.items()}}
+
+
+class Laws(Case):
+    """The elastic laws 1 to 3, active and growing."""
+
+    CUBE = {**BRICK, "Geometry/Length": 1, "Geometry/Width": 1, "Geometry/Height": 1, "Geometry/Cells": "1, 1, 1", "Ends/Kind": "mixed",
+            "Fibre/Direction": "0.33, 0.5, 0.8", "Time/Ramp": 2, "Time/End": 4, "Time/Steps": "fixed", "Time/Step": 0.125}
+
+    def test_a_cube_is_the_drivers(self):
+        """One element with an oblique fibre, activated while it is pulled: the UMAT in the one-element driver."""
+        driver = os.environ.get("MYOGROWTH_DRIVER")
+        if not driver:
+            self.skipTest("there is no driver")
+        for law, (_, constants, activation, pull) in LAWS.items():
+            numbers = ", ".join(f"{x:.15e}" for x in constants.values())
+            path = self.folder / f"law{law}.nml"
+            path.write_text(
+                f"&material props = 0.0, 0.0, 0.5, 2.0, 1.1, 1.01, 0.33, 0.5, 0.8, 2*0.0, 1.0, 6*0.0, {law}.0, -1.0, {numbers} nstatv = 9 /\n"
+                f"&time duration = 4.0 dt = 0.125 /\n&field time = 0.0, 2.0 value = 0.0, {activation} /\n" +
+                "".join(f"&face name = 'z-' direction = '{d}' value = 0.0 /\n" for d in "xyz") +
+                f"&face name = 'z+' time = 0.0, 2.0 value = 0.0, {pull} /\n"
+                "&solver tolerance_residual = 1.0e-12 tolerance_displacement = 1.0e-6 max_iterations = 40 /\n"
+                "&output reaction_face = 'z+' /\n")
+            done = subprocess.run([driver, path, "--out", self.folder / "driver"], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertIn("32 increments, 0 cut-backs", done.stdout)  # so that both take the same steps
+            with open(self.folder / "driver" / "history.csv", encoding="ascii") as f:
+                rows = list(csv.DictReader(f))[1:]
+            self.run_muscle(1, f"law{law}", {**self.CUBE, **SHARP, **law_entries(law), "Muscle/Activation": f"2:{activation}", "Ends/Pull": pull})
+            ours = self.columns(f"law{law}")
+            self.assertEqual([float(r["time"]) for r in rows], ours["time"].tolist())
+            self.assertGreater(ours["G_mean"][-1], 1.003)
+            for k, row in enumerate(rows):
+                for theirs, column in (("reaction", "reaction"), ("G", "G_mean"), ("lambda_e", "lambda_e_mean")):
+                    self.assertAlmostEqual(ours[column][k], float(row[theirs]), delta=1e-10 * max(1, abs(float(row[theirs]))), msg=(law, k, column))
+
+    def test_newton_is_quadratic(self):
+        for law, activation, pull in ((1, 0.2, 10), (2, 0.2, 10), (3, 0.005, 6)):
+            for volume in ("pointwise", "mean dilatation"):
+                self.run_muscle(1, "a", {**BRICK, **law_entries(law), "Muscle/Volume": volume, "Muscle/Activation": activation, "Ends/Pull": pull,
+                                         "Fibre/Kind": "oblique", "Fibre/Angle": 30, "Time/Steps": "fixed", "Time/Step": 0.1, "Time/End": 1.2,
+                                         "Solver/Newton tolerance": 1e-12, "Solver/Krylov tolerance": 1e-12, "Solver/Predictor": "false"})
+                self.assertGreater(self.columns("a")["G_max"][-1], 1.03)
+                near = [(a, b) for norms in self.checks("a") for a, b in zip(norms[1:], norms[2:]) if 1e-8 < a < 5e-3]
+                print(f"law {law}, {volume}: residual <= {max(b / a ** 2 for a, b in near if b > 1e-11):.1f} (last residual)^2, {len(near)} pairs")
+                self.assertGreaterEqual(len(near), 10)
+                for a, b in near:
+                    self.assertLess(b, max(10 * a * a, 1e-11))
+
+    def test_the_dense_loop_gives_the_same(self):
+        for law, (_, _, activation, pull) in LAWS.items():
+            entries = {**self.CUBE, **SHARP, **law_entries(law), "Muscle/Activation": f"2:{activation}", "Ends/Pull": pull}
+            for assembly in ("compact", "dense"):
+                self.run_muscle(1, assembly, {**entries, "Solver/Assembly": assembly})
+            self.assert_alike(self.columns("compact"), self.columns("dense"), 1e-10)
+
+    def test_law_1_without_fibres_is_law_0(self):
+        for volume in ("pointwise", "mean dilatation"):
+            entries = {**BRICK, **SHARP, "Muscle/Volume": volume, "Fibre/Kind": "oblique", "Fibre/Angle": 20, "Time/End": 2}
+            self.run_muscle(1, "law0", entries)
+            text = self.run_muscle(1, "law1", {**entries, "Muscle/Law": 1, "Muscle/c1": 16, "Roehrle/c10": 4, "Roehrle/c01": 0, "Roehrle/kappa": 16,
+                                               "Roehrle/sigma_p": 0, "Roehrle/sigma_a": 0, "Ehret/w0": 0.5})
+            self.assert_alike(self.columns("law0"), self.columns("law1"), 1e-10)
+            self.assertIn("muscle: elastic law 1 (Roehrle): c10 = 4, c01 = 0, kappa = 16, sigma_p = 0, ", text)
+            self.assertIn("Muscle/c1 is not read: nothing has elastic law 0\n", text)
+            self.assertIn("Ehret/w0 is not read: nothing has elastic law 3\n", text)
+
+    def test_an_activation_at_once_is_a_jump(self):
+        """A number, or two rows of one time: without growth, in parts if it must be."""
+        entries = {**BRICK, **SHARP, "Muscle/Law": 1, "Roehrle/lambda_opt": 1.05, "Ends/Kind": "free", "Time/Steps": "fixed", "Time/Step": 0.5, "Time/End": 2}
+        for name, activation in (("number", "0.5"), ("rows", "0:0, 0:0.5"), ("later", "0:0.2 1:0.2 1:0.5")):
+            self.run_muscle(1, name, {**entries, "Muscle/Activation": activation})
+        self.assert_alike(self.columns("number"), self.columns("rows"), 1e-12)
+        columns = self.columns("number")
+        self.assertEqual(columns["time"].tolist(), [0, 0.5, 1, 1.5, 2])
+        self.assertEqual(columns["G_max"][0], 1)
+        self.assertGreater(columns["reaction"][0], 1000)
+        columns = self.columns("later")
+        self.assertEqual(columns["time"].tolist(), [0, 0.5, 1, 1, 1.5, 2])
+        self.assertEqual(columns["G_mean"][2], columns["G_mean"][3])
+        self.assertGreater(columns["reaction"][3], 1.5 * columns["reaction"][2])
+
+    def test_restart(self):
+        entries = {**BRICK, **SHARP, **law_entries(1), "Muscle/Activation": "0:0.1 1:0.3", "Time/Steps": "fixed", "Time/Step": 0.1,
+                   "Time/End": 1, "Fibre/Kind": "oblique", "Fibre/Angle": 20}
+        self.run_muscle(1, "whole", {**entries, "Output/Checkpoint every": 0})
+        self.run_muscle(1, "a", {**entries, "Output/Checkpoint every": 7})
+        text = self.run_muscle(1, "a", {**entries, "Output/Resume": "true", "Muscle/Activation": 0.3}, status=1)
+        self.assertIn("Muscle/Activation = 0.3, in the checkpoint 0:0.1 1:0.3", text)
+        text = self.run_muscle(2, "a", {**entries, "Output/Resume": "true", "Output/Checkpoint every": 0})
+        self.assertNotIn("rows", text)
+        self.assert_alike(self.columns("whole"), self.columns("a"), 1e-10)
+
+    def test_a_checkpoint_of_before_there_were_laws(self):
+        self.run_muscle(1, "a", Restart.SHORT)
+        path = self.folder / "a" / "checkpoint"
+        content = path.read_bytes()
+        records = content[72 + int.from_bytes(content[24:32], "little"):]
+        text = b"".join(line for line in content[72:-len(records)].splitlines(True) if not line.startswith((b"Muscle/Law", b"Muscle/Act", b"Roehrle")))
+        self.assertLess(len(text) + 72 + len(records), len(content))
+        header = content[:24] + len(text).to_bytes(8, "little") + content[32:64] + bytes(8)
+        path.write_bytes(header[:64] + zlib.crc32(header + text).to_bytes(8, "little") + text + records)
+        checkpoint = path.read_bytes()
+        for entries, status, message in (({"Muscle/Law": 2}, 1, "Muscle/Law = 2, in the checkpoint not said"), ({}, 0, "resumed at time 1")):
+            path.write_bytes(checkpoint)
+            self.assertIn(message, self.run_muscle(1, "a", {**Restart.SHORT, "Time/End": 1.5, "Output/Resume": "true", **entries}, status=status))
+
+    def test_what_is_not_allowed(self):
+        self.assert_refused([
+            ({"Muscle/Law": 4}, r"Muscle/Law = 4: must be 0 \(neo-Hookean\), 1 \(Roehrle\), 2 \(Blemker\) or 3 \(Ehret\)$"),
+            ({"Muscle/Law": 1, "Roehrle/c10": 0}, r"Roehrle/c10 = 0: matrix, must be finite and > 0\.$"),
+            ({"Muscle/Law": 3, "Ehret/lambda_opt": 0.5}, r"Ehret/lambda_opt = 0.5: optimum elastic stretch, must be finite and > lambda_min\.$"),
+            ({"Blemker/tendon": 0.5}, r"Blemker/tendon = 0.5: .* must be finite and 0 or 1\.$"),
+            ({"Roehrle/G1": 1}, r"there is no entry 'Roehrle/G1'; there are c10, c01, kappa,"),
+            ({"Muscle/Activation": 0.5}, r"Muscle/Activation = 0.5: must be 0 with elastic law 0, which has no active force"),
+            ({"Muscle/Law": 1, "Muscle/Activation": -1}, r"Muscle/Activation = -1: activation, must be >= 0 and <= 1; -1 is not"),
+            ({"Muscle/Law": 1, "Muscle/Activation": "1:0.5 2:1.5"}, r"= 1:0.5 2:1.5: activation, must be >= 0 and <= 1; 1.5 is not"),
+            ({"Muscle/Law": 1, "Muscle/Activation": "2:0.5 1:0"}, r"the times must ascend; 1 does not"),
+            ({"Muscle/Law": 1, "Muscle/Activation": "0,5"}, r"must be a number >= 0 and <= 1 or a table TIME:ACTIVATION .* decimal comma")])
+        path = self.folder / "bad.prm"
+        path.write_text("subsection Muscle\n  set Law = 2\nend\nsubsection Blemker\n  set lambda_star = 1\nend\n")
+        self.assertRegex(self.run_muscle(1, "bad", BRICK, status=1, prm=path), r"bad.prm:5:7: Blemker/lambda_star = 1: end of .*, must be finite and > 1\.")
 
 
 class CalculiX(Case):

@@ -411,6 +411,49 @@ class Sections(MeshCase):
             self.assertRegex(self.run_muscle(1, "a", {**self.box(), **self.ENTRIES, "Materials/List": materials}, status=1), message)
 
 
+class Laws(MeshCase):
+    def test_a_free_contraction_is_the_one_of_4C(self):
+        """4C's regression test of law 3: the unit cube, active, free but for its planes of symmetry."""
+        mesh = write_box(self.folder / "cube", "hex8", (1, 1, 1), (1, 1, 1), surfaces=("X0", "Y0", "PROXIMAL", "DISTAL"))
+        for volume in ("pointwise", "mean dilatation"):
+            self.run_muscle(1, "a", {**mesh, **FIXED_STEPS, **SHARP, "Muscle/Law": 3, "Muscle/Activation": f"1:{0.3341 / 2}", "Muscle/Volume": volume,
+                                     "Muscle/lambda_crit": 100, "Fibre/Kind": "uniform", "Time/Step": 0.05,
+                                     "Attachments/List": "X0 slides 0; Y0 slides 0; PROXIMAL slides 0"})
+            self.assertAlmostEqual(self.columns("a")["lambda_e_mean"][-1], 1 - 0.31358536573847257, delta=1e-9)
+
+    def test_of_sections_on_one_rank_and_two(self):
+        """Law 1 in the belly, activated by a table of its own, law 2's tendon at both ends."""
+        mesh = write_box(self.folder / "box", "hex8", (2, 2, 6), sections=("BELLY", "CORD"), section_of=lambda z: int(abs(z - 0.5) > 1 / 3))
+        entries = {**mesh, **SHARP, **FIXED_STEPS, "Time/Step": 0.1, "Muscle/Volume": "mean dilatation", "Fibre/Kind": "uniform", "Muscle/lambda_crit": 0.95,
+                   "Materials/List": "BELLY muscle law=1 kappa=500 lambda_opt=1.05 activation=0:0.05,1:0.2; CORD tendon law=2 tendon=1 G1=50 G2=50 "
+                                     "lambda_star=1.03"}
+        for ranks in (1, 2):
+            text = self.run_muscle(ranks, f"on_{ranks}", {**entries, "Output/Times": "1"})
+            self.assertIn("BELLY: elastic law 1 (Roehrle): c10 = 10, c01 = 10, kappa = 500,", text)
+            self.assertIn("CORD: elastic law 2 (Blemker): G1 = 50,", text)
+        self.assert_alike(self.columns("on_1"), self.columns("on_2"), 1e-9)
+        for file in ("regions.csv", "attachments.csv"):
+            self.assert_same_table("on_1", "on_2", file, 1e-8)
+        rows = {(r["time"], r["region"]): r for r in self.table("on_1", "regions.csv")}
+        self.assertEqual(float(rows["1", "CORD"]["G_p99"]), 1)
+        self.assertGreater(float(rows["1", "BELLY"]["G_mean"]), 1.001)
+        # With an activation of 0 the force is another.
+        self.run_muscle(1, "passive", {**entries, "Materials/List": entries["Materials/List"].replace("0:0.05,1:0.2", "0")})
+        self.assertLess(self.columns("passive")["reaction"][-1], 0.8 * self.columns("on_1")["reaction"][-1])
+
+    def test_of_sections_are_checked(self):
+        mesh = write_box(self.folder / "box", "hex8", (1, 1, 1))
+        for material, message in (("muscle law=4", r"law = 4: elastic law, must be 0 \(neo-Hookean\), 1"), ("muscle law=1 c1=4", "expected a parameter of section "
+                                  r"Muscle but c1 and c2, law, activation or a constant of elastic law 1 \(c10, .*g2\) as NAME=VALUE, found 'c1=4'"),
+                                  ("muscle law=1 kappa=0", "kappa = 0: resistance to volume change, must be finite and > 0"),
+                                  ("muscle activation=0.5", "or law as NAME=VALUE, found 'activation=0.5'"),
+                                  ("muscle law=2 activation=2", "activation: activation, must be >= 0 and <= 1; 2 is not"),
+                                  ("tendon law=2 activation=0.1", "expected law or a constant of elastic law 2 .*found 'activation=0.1'")):
+            with self.subTest(material):
+                text = self.run_muscle(1, "a", {**mesh, **FIXED_STEPS, "Materials/List": f"MUSCLE {material}"}, status=1)
+                self.assertRegex(text, f"Materials/List: 'MUSCLE {material}': .*{message}")
+
+
 class Real(MeshCase):
     # An estimate of another program, CalculiX with fibres constant in an element (design/muscle.md): force [mN], and of the
     # thirds the elastic stretch's 50 and 99 % and the median of G.
