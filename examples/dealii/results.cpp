@@ -176,7 +176,7 @@ void Muscle::write_fields() {
       {"G", &G_}, {"lambda_e", &lambda_e_}, {"lambda", &lambda_}, {"J", &J_}, {"Je", &Je_}};
   std::vector<dealii::Vector<float>> means(fields.size(), dealii::Vector<float>(mesh_->n_active_cells()));
   std::vector<dealii::Vector<float>> fibre(3, dealii::Vector<float>(mesh_->n_active_cells()));
-  dealii::Vector<float> tendon(mesh_->n_active_cells());
+  dealii::Vector<float> tendon(mesh_->n_active_cells()), activation(mesh_->n_active_cells());
   for (const Group& group : groups_) {
     for (std::size_t c = group.first_cell; c < group.first_cell + group.n; ++c) {
       const unsigned cell = cells_[c]->active_cell_index();
@@ -191,6 +191,7 @@ void Muscle::write_fields() {
       }
       for (unsigned i = 0; i < 3; ++i) fibre[i](cell) = static_cast<float>(n0_[3 * first + i]);
       tendon(cell) = grows(group) ? 0 : 1;
+      activation(cell) = static_cast<float>(elastic(group).activation);
     }
   }
   for (std::size_t k = 0; k < fields.size(); ++k)
@@ -198,6 +199,10 @@ void Muscle::write_fields() {
   const char* components[3] = {"n0_x", "n0_y", "n0_z"};
   for (unsigned i = 0; i < 3; ++i) out.add_data_vector(fibre[i], components[i], DataOut<3>::type_cell_data);
   out.add_data_vector(tendon, "tendon", DataOut<3>::type_cell_data);
+  const bool may_be_active = std::any_of(
+      materials_.begin(), materials_.end(),
+      [](const Parameters::Material& m) { return m.elastic.law != myogrowth::abi::Law::neo_hookean; });
+  if (may_be_active) out.add_data_vector(activation, "activation", DataOut<3>::type_cell_data);
   out.build_patches(mappings_);
   const std::string name = "day_" + number("%.10g", time_), folder = parameters_.folder + "/";
   together(comm_, [&] {

@@ -34,6 +34,8 @@ class Input:
         values = {name: self.number(f"Muscle/{name}") for name in REQUIRED}
         values.update({name: self.number(f"Muscle/{name}", 0.0) for name in REMOVAL})
         self.choice("Muscle/Volume", ("pointwise",))
+        self.choice("Muscle/Law", ("0",))
+        self.choice("Muscle/Activation", ("0",))
         energy = self.choice("Muscle/Energy", ("reference", "grown"))
         integration = self.choice("Muscle/Integration", ("second order", "backward Euler"))
         self.options = [float(energy == "grown"), float(integration == "second order")]

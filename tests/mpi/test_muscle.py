@@ -437,6 +437,7 @@ class Laws(MeshCase):
         rows = {(r["time"], r["region"]): r for r in self.table("on_1", "regions.csv")}
         self.assertEqual(float(rows["1", "CORD"]["G_p99"]), 1)
         self.assertGreater(float(rows["1", "BELLY"]["G_mean"]), 1.001)
+        self.assertIn('Name="activation"', (self.folder / "on_1" / "day_1.0.vtu").read_text())
         # With an activation of 0 the force is another.
         self.run_muscle(1, "passive", {**entries, "Materials/List": entries["Materials/List"].replace("0:0.05,1:0.2", "0")})
         self.assertLess(self.columns("passive")["reaction"][-1], 0.8 * self.columns("on_1")["reaction"][-1])
