@@ -15,80 +15,51 @@ constexpr int points = myogrowth_block_points;
 constexpr int lanes = simd::native_lanes<double>;
 using P = simd::Pack<double, lanes>;
 
-// Between points that lie one after the other and rows there are squares to transpose, of `side` registers.
-constexpr int side = lanes < 4 ? 2 : 4;
-using Lanes = simd::Register<double, side>::Lanes;
-using InMemory = simd::Register<double, side>::InMemory;
-inline void transpose(Lanes (&r)[side]) {
-#if defined(__AVX2__)
-  const Lanes a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
-  const Lanes b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
-  const Lanes c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
-  const Lanes d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
-  r[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-  r[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-  r[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-  r[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
-#else
-  const Lanes a = __builtin_shufflevector(r[0], r[1], 0, 2);
-  r[1] = __builtin_shufflevector(r[0], r[1], 1, 3);
-  r[0] = a;
-#endif
-}
-
-// Calls square(point, k, c) for squares that cover n points of so many components, the last of which overlap
-// those before; one(k, c) where they are fewer than a square has. point: the `side` points from k on.
-template <class V, class Square, class One>
-void in_squares(V* data, std::ptrdiff_t step, std::ptrdiff_t n, std::ptrdiff_t components,
-                const Square& square, const One& one) {
-  const std::ptrdiff_t last_k = n - side, last_c = components - side;
-  if (last_k < 0 || last_c < 0) {
-    for (std::ptrdiff_t c = 0; c < components; ++c) {
-      for (std::ptrdiff_t k = 0; k < n; ++k) one(k, c);
+// Moves n points of an array, from `first` on, to the rows of a block if it is an input, else from them: four
+// numbers of a register's points at once, the last ones again where they are fewer.
+template <class Array>
+MYOGROWTH_FLAT void turn(const Array& array, std::ptrdiff_t first, std::ptrdiff_t n, double* rows) {
+  constexpr bool is_input = std::is_same<Array, myogrowth_input>::value;
+  constexpr int side = 4;
+  const std::ptrdiff_t step = array.step, size = array.size, last_c = size - side;
+  const int* const entry = array.entry;
+  auto* const data = array.data + first * step;
+  if (n < lanes || last_c < 0) {
+    for (std::ptrdiff_t c = 0; c < size; ++c) {
+      double* const row = rows + myogrowth_row(entry[c]);
+      const auto move = [&](std::ptrdiff_t k, std::ptrdiff_t at) {
+        if constexpr (is_input) {
+          row[k] = data[at + c];
+        } else {
+          data[at + c] = row[k];
+        }
+      };
+      if (step == 1) {
+        for (std::ptrdiff_t k = 0; k < n; ++k) move(k, k);
+      } else {
+        for (std::ptrdiff_t k = 0; k < n; ++k) move(k, k * step);
+      }
     }
     return;
   }
-  for (std::ptrdiff_t k = 0;; k = k + side < last_k ? k + side : last_k) {
-    V* point[side];
-    for (int i = 0; i < side; ++i) point[i] = data + (k + i) * step;
-    for (std::ptrdiff_t c = 0;; c = c + side < last_c ? c + side : last_c) {
-      square(point, k, c);
-      if (c == last_c) break;
-    }
-    if (k == last_k) break;
+  for (std::ptrdiff_t c = 0;; c = c + side < last_c ? c + side : last_c) {
+    double* row[side];
+    for (int i = 0; i < side; ++i) row[i] = rows + myogrowth_row(entry[c + i]);
+    const auto square = [&](auto* at, std::ptrdiff_t k) {
+      P p[side];
+      if constexpr (is_input) {
+        load_side_by_side(p, at, step);
+        for (int i = 0; i < side; ++i) p[i].store(row[i] + k);
+      } else {
+        for (int i = 0; i < side; ++i) p[i] = P::load(row[i] + k);
+        store_side_by_side(p, at, step);
+      }
+    };
+    auto* at = data + c;
+    for (std::ptrdiff_t k = 0; k + lanes <= n; k += lanes, at += lanes * step) square(at, k);
+    if (n % lanes != 0) square(data + c + (n - lanes) * step, n - lanes);
+    if (c == last_c) break;
   }
-}
-
-// (Captured by value: a store to memory may change anything that is not.)
-MYOGROWTH_FLAT void gather(const MyogrowthPlaces<const double>& from, int n, double* rows) {
-  const double* const data = from.data;
-  const std::ptrdiff_t step = from.step;
-  const int* const row = from.row;
-  in_squares(
-      data, step, n, from.size,
-      [=](const double* const(&point)[side], std::ptrdiff_t k, std::ptrdiff_t c) {
-        Lanes r[side];
-        for (int i = 0; i < side; ++i) r[i] = *reinterpret_cast<const InMemory*>(point[i] + c);
-        transpose(r);
-        double* const to = rows + k;
-        for (int i = 0; i < side; ++i) *reinterpret_cast<InMemory*>(to + row[c + i]) = r[i];
-      },
-      [=](std::ptrdiff_t k, std::ptrdiff_t c) { rows[row[c] + k] = data[k * step + c]; });
-}
-MYOGROWTH_FLAT void scatter(const MyogrowthPlaces<double>& to, int n, const double* rows) {
-  double* const data = to.data;
-  const std::ptrdiff_t step = to.step;
-  const int* const row = to.row;
-  in_squares(
-      data, step, n, to.size,
-      [=](double* const(&point)[side], std::ptrdiff_t k, std::ptrdiff_t c) {
-        const double* const from = rows + k;
-        Lanes r[side];
-        for (int i = 0; i < side; ++i) r[i] = *reinterpret_cast<const InMemory*>(from + row[c + i]);
-        transpose(r);
-        for (int i = 0; i < side; ++i) *reinterpret_cast<InMemory*>(point[i] + c) = r[i];
-      },
-      [=](std::ptrdiff_t k, std::ptrdiff_t c) { data[k * step + c] = rows[row[c] + k]; });
 }
 
 inline double* row_of(MyogrowthBlock& b, int row) { return b.number + row; }
@@ -110,11 +81,18 @@ void prepare(int n, MyogrowthBlock& b) {
     for (int c = 0; c < 9; ++c)
       square_of_F = square_of_F + load(myogrowth_row_F + c * points) * load(myogrowth_row_F + c * points);
     auto can = (G >= P(1e-10)) & (G <= P(1e10)) & (square_of_F <= P(1e20));
+    const P square = n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2];
+    const auto is_unit = abs(square - one) <= P(4 * last_place<double>());
+    auto is_ready = can & is_unit & !none & (G == G_given);
+    if (b.stretch_is_checked || b.is_known) is_ready = is_ready & (stretch > zero) & is_finite(stretch);
+    if (!any(!is_ready)) {
+      store(zero, myogrowth_row_check);
+      continue;
+    }
     if (b.stretch_is_checked || b.is_known) can = can & (stretch >= zero) & is_finite(stretch);
     if (b.is_known) can = can & (stretch > zero);
 
-    const P square = n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2];
-    unsigned others = bits(!(abs(square - one) <= P(4 * last_place<double>())));  // than of unit length
+    unsigned others = bits(!is_unit);
     P has_fibre = one;
     for (int lane = 0; others != 0; ++lane, others >>= 1) {
       if ((others & 1) == 0) continue;
@@ -135,20 +113,30 @@ void prepare(int n, MyogrowthBlock& b) {
   }
 }
 
-template <Tangent tangent, Measure measure>
+constexpr int n_stress(Measure measure) { return measure == Measure::first_piola ? 9 : 6; }
+
+// is_direct: the tangents go to the host's array, and not to rows.
+template <Tangent tangent, Measure measure, bool is_direct = false>
 void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
+  constexpr int n_tangent = tangent == Tangent::none ? 0 : n_stress(measure) * n_stress(measure);
   const auto row = [&b](int r) { return batch::soa(row_of(b, r), points); };
+  const auto tangents = [&] {
+    if constexpr (is_direct) {
+      const myogrowth_output& to = b.out[b.direct];
+      return batch::aos<n_tangent>(to.data + b.first * to.step, to.step);
+    } else {
+      return row(myogrowth_row_tangent);
+    }
+  }();
   const batch::Input<batch::Soa<double>, batch::Soa<double>, batch::Soa<double>, batch::Shared<double>,
                      batch::Soa<double>>
       in{row(myogrowth_row_F), row(myogrowth_row_n0), row(myogrowth_row_G), batch::shared(&b.dt),
          row(myogrowth_row_lambda)};
-  const batch::Output<batch::Soa<double>, batch::Soa<double>, batch::Soa<double>, batch::Soa<double>> out{
-      row(myogrowth_row_stress), row(myogrowth_row_G_end), row(myogrowth_row_tangent),
-      row(myogrowth_row_G_end + points)};
+  const batch::Output<batch::Soa<double>, batch::Soa<double>, std::decay_t<decltype(tangents)>,
+                      batch::Soa<double>>
+      out{row(myogrowth_row_stress), row(myogrowth_row_G_end), tangents, row(myogrowth_row_G_end + points)};
   update_batch<tangent, measure>(material, n, in, out);
 
-  constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
-  constexpr int n_tangent = tangent == Tangent::none ? 0 : n_stress * n_stress;
   for (int k = 0; k < n; k += lanes) {
     const auto load = [&](int r) { return P::load(row_of(b, r) + k); };
     P sum = load(myogrowth_row_check), other(0.0);  // (two that do not wait for each other)
@@ -160,10 +148,15 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
       if (size % 2 == 1) sum = sum + load(first + (size - 1) * points);
     };
     add(myogrowth_row_G_end, 6);
-    add(myogrowth_row_stress, n_stress);
+    add(myogrowth_row_stress, n_stress(measure));
     // The tangent of numbers that packs can take overflows only where det F, by which it is divided, is close
     // to zero.
-    if (any(!(load(myogrowth_row_G_end + 3 * points) > P(1e-3)))) add(myogrowth_row_tangent, n_tangent);
+    const P J = load(myogrowth_row_G_end + 3 * points);
+    if (is_direct) {
+      sum = select(J > P(1e-3), sum, P(std::numeric_limits<double>::quiet_NaN()));
+    } else if (any(!(J > P(1e-3)))) {
+      add(myogrowth_row_tangent, n_tangent);
+    }
     ((sum + other) * P(0.0)).store(row_of(b, myogrowth_row_check) + k);
   }
 }
@@ -177,20 +170,35 @@ extern "C" void MYOGROWTH_UPDATE_BLOCK(const double* props, int n, int measure, 
   abi::Properties properties;
   abi::read(known, properties);
   MyogrowthBlock& b = *block;
-  for (int i = 0; i < b.n_in; ++i) gather(b.in[i], n, b.number);
+  for (int i = 0; i < b.n_in; ++i) turn(b.in[i], b.first, n, b.number);
   const int whole = (n + lanes - 1) / lanes * lanes;
   for (int r = 0; r < myogrowth_row_stress; r += points) {  // the last point again, to fill a register
     for (int k = n; k < whole; ++k) row_of(b, r)[k] = row_of(b, r)[n - 1];
   }
   prepare(whole, b);
+  const auto all_are_good = [&] {
+    P all(0.0);
+    for (int k = 0; k < whole; k += lanes) all = all + P::load(row_of(b, myogrowth_row_check) + k);
+    return !any(!(all == P(0.0)));
+  };
   using Update = void(const FibreGrowth<double>&, int, MyogrowthBlock&);
   static constexpr Update* updates[3][2] = {
       {update<Tangent::none, Measure::cauchy>, update<Tangent::full, Measure::cauchy>},
       {update<Tangent::none, Measure::first_piola>, update<Tangent::full, Measure::first_piola>},
       {update<Tangent::none, Measure::second_piola>, update<Tangent::full, Measure::second_piola>}};
-  updates[measure][with_tangent](properties.material, whole, b);
-  P all(0.0);
-  for (int k = 0; k < whole; k += lanes) all = all + P::load(row_of(b, myogrowth_row_check) + k);
-  b.is_given = b.n_out > 0 && !any(!(all == P(0.0)));
-  for (int i = 0; i < b.n_out && b.is_given; ++i) scatter(b.out[i], n, b.number);
+  int written = -1;
+  {
+    static constexpr Update* direct_updates[3] = {update<Tangent::full, Measure::cauchy, true>,
+                                                  update<Tangent::full, Measure::first_piola, true>,
+                                                  update<Tangent::full, Measure::second_piola, true>};
+    if (b.direct >= 0 && n == whole && all_are_good()) {
+      direct_updates[measure](properties.material, n, b);
+      if (all_are_good()) written = b.direct;
+    }
+  }
+  if (written < 0) updates[measure][with_tangent](properties.material, whole, b);
+  b.is_given = b.n_out > 0 && all_are_good();
+  for (int i = 0; i < b.n_out && b.is_given; ++i) {
+    if (i != written) turn(b.out[i], b.first, n, b.number);
+  }
 }

@@ -2,16 +2,18 @@
 // tables are in c_tables.cpp.
 #include "myogrowth.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <myogrowth/more/stress_states.hpp>
 
-#include "arrays.hpp"
+#include "many.hpp"
 
 namespace {
 
 using namespace myogrowth;
-using abi::Arrays;
-using Call = abi::CallOfMany;
+using Call = abi::Common;
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
@@ -24,11 +26,42 @@ Call call_of(int n_state, double dt, int measure, bool with_tangent) {
   return c;
 }
 
+int check_props(const double* props, int n_props, Call& call, abi::Text& text) {
+  if (!props) {
+    abi::tell(text, "props = NULL: the constants are needed.");
+    return MYOGROWTH_BAD_ARGUMENT;
+  }
+  const bool fault = abi::find_muscle_fault(props, n_props, false, call.properties, call.law, text) ||
+                     abi::find_hybrid_fault("the C API", call.properties, text);
+  return fault ? MYOGROWTH_BAD_PARAMETER : MYOGROWTH_OK;
+}
+
 void write_message(const char* text, char* message, int length) {
   if (message && length > 0) std::snprintf(message, static_cast<std::size_t>(length), "%s", text);
 }
 
-// Checks what the points have in common, and that the arrays of the first are there.
+// Checks what the points have in common. n_state: what the message calls the place of the state.
+int check(const double* props, int n_props, const char* n_state, Call& common, abi::Text& text) {
+  if (myogrowth_stress_size(common.measure) == 0) {
+    abi::tell(text, "measure = %d: must be %d (Cauchy), %d (first Piola) or %d (second Piola).",
+              common.measure, MYOGROWTH_CAUCHY, MYOGROWTH_FIRST_PIOLA, MYOGROWTH_SECOND_PIOLA);
+    return MYOGROWTH_BAD_ARGUMENT;
+  }
+  if (abi::find_room_fault(n_state, common.n_state, text)) return MYOGROWTH_BAD_ARGUMENT;
+  const int status = check_props(props, n_props, common, text);
+  if (status != MYOGROWTH_OK) return status;
+  if (abi::find_stretch_fault(n_state, common.n_state, common.properties, text))
+    return MYOGROWTH_BAD_ARGUMENT;
+  if (common.properties.local_basis && common.measure != MYOGROWTH_CAUCHY) {
+    abi::tell(text,
+              "PROPS(10) = 1: frame must be 0 with a Piola stress, which refers to F itself and not to "
+              "sqrt(F F^T).");
+    return MYOGROWTH_BAD_PARAMETER;
+  }
+  return MYOGROWTH_OK;
+}
+
+// The same for points one after the other, and that the arrays of the first are there.
 int check(const double* props, int n_props, const double* F, const double* state_in, const double* state_out,
           const double* stress, Call& common, abi::Text& text) {
   const char* missing = !F           ? "F"
@@ -40,71 +73,80 @@ int check(const double* props, int n_props, const double* F, const double* state
     abi::tell(text, "%s = NULL: it is needed.", missing);
     return MYOGROWTH_BAD_ARGUMENT;
   }
-  if (myogrowth_stress_size(common.measure) == 0) {
-    abi::tell(text, "measure = %d: must be %d (Cauchy), %d (first Piola) or %d (second Piola).",
-              common.measure, MYOGROWTH_CAUCHY, MYOGROWTH_FIRST_PIOLA, MYOGROWTH_SECOND_PIOLA);
-    return MYOGROWTH_BAD_ARGUMENT;
-  }
-  if (abi::find_room_fault("n_state", common.n_state, text)) return MYOGROWTH_BAD_ARGUMENT;
-  const int status = abi::check_props(props, n_props, common, text);
-  if (status != MYOGROWTH_OK) return status;
-  if (abi::find_stretch_fault("n_state", common.n_state, common.properties, text))
-    return MYOGROWTH_BAD_ARGUMENT;
-  if (common.properties.local_basis && common.measure != MYOGROWTH_CAUCHY) {
-    abi::tell(text,
-              "PROPS(10) = 1: frame must be 0 with a Piola stress, which refers to F itself and not to "
-              "sqrt(F F^T).");
-    return MYOGROWTH_BAD_PARAMETER;
-  }
-  return MYOGROWTH_OK;
+  return check(props, n_props, "n_state", common, text);
 }
 
-// The arrays of points that lie one after the other. Of the state's entries what fits is kept, the others are
+// What comes in, and where what comes out goes.
+struct Arrays {
+  const myogrowth_input* in;
+  int n_in;
+  const myogrowth_output* out;
+  int n_out;
+  bool state_is_known;
+  int* status;
+};
+
+constexpr int n_entries_in = MYOGROWTH_STRESS;  // the first ones
+constexpr int entry_of_state(int e) { return abi::row_of_state(e) / myogrowth_block_points; }
+
+bool is_of_state(int entry) {
+  return entry < MYOGROWTH_STRESS || (entry >= MYOGROWTH_G_END && entry < MYOGROWTH_ENERGY);
+}
+
+// The entry of the state at the beginning of a step that belongs to one at its end; of the others none.
+int entry_at_start(int entry) {
+  return entry == MYOGROWTH_G_END        ? MYOGROWTH_G
+         : entry == MYOGROWTH_LAMBDA_END ? MYOGROWTH_LAMBDA
+         : entry < MYOGROWTH_STRESS      ? entry
+                                         : MYOGROWTH_UNUSED;
+}
+
+// Arrays of points that lie one after the other. Of the state's entries what fits is kept, the others are
 // carried over as they are.
-Arrays arrays_of(const Call& call, const double* F, const double* state_in, double* state_out, double* stress,
-                 double* tangent, double* energy) {
-  static constexpr int rows_of_state[abi::n_kept] = {
-      abi::row_of_state(0), abi::row_of_state(1), abi::row_of_state(2), abi::row_of_state(3),
-      abi::row_of_state(4), abi::row_of_state(5), abi::row_of_state(6), abi::row_of_state(7)};
-  const int n = call.n_state, n_stress = myogrowth_stress_size(call.measure);
-  Arrays a;
-  a.F = {F, 9, {0, 1, 2, 3, 4, 5, 6, 7, 8}};
-  a.give(stress, n_stress, n_stress, abi::rows_from(myogrowth_row_stress));
-  a.give(tangent, n_stress * n_stress, n_stress * n_stress, abi::rows_from(myogrowth_row_tangent));
-  if (n_stress > 0) a.give(energy, 1, 1, abi::rows_from(myogrowth_row_psi));
-  if (n < 1) return a;
-  a.G = {state_in, n, {0}};
-  if (n > abi::stretch_entry) a.stretch = {state_in + abi::stretch_entry, n, {0}};
-  if (abi::keeps_fibre(n)) a.n0 = {state_in + abi::fibre_entry, n, {0, 1, 2}};
-  const int n_kept = abi::kept_entries(n);
-  a.give(state_out, n, n_kept, rows_of_state);
-  a.carried = {state_in + n_kept, n, state_in == state_out ? 0 : n - n_kept, nullptr};
-  a.carried_to = state_out + n_kept;
-  return a;
-}
+struct OneAfterTheOther {
+  myogrowth_input in[2];
+  myogrowth_output out[4];
+  Arrays arrays{in, 0, out, 0, false, nullptr};
+  const double* carried_from = nullptr;
+  double* carried_to = nullptr;
+  int n_state = 0, n_carried = 0;
 
-bool is_of_state(int row) {
-  return (row >= myogrowth_row_G_end && row < myogrowth_row_psi) || row < myogrowth_row_stress;
-}
-
-// The results of a point that has none: NaN, so that no host can continue silently.
-void refuse(const Arrays& a, std::ptrdiff_t point, int status) {
-  if (a.status) a.status[point] = status;
-  for (int o = 0; o < a.n_out; ++o) {
-    for (int c = 0; c < a.out[o].size; ++c) {
-      double& x = a.out[o].data[point * a.out[o].step + c];
-      const int row = a.out[o].row[c];
-      if (!is_of_state(row)) {
-        x = no_number;
-      } else if (a.is_known) {
-        x = row == abi::row_of_state(0)                    ? a.G(point, 0)
-            : row == abi::row_of_state(abi::stretch_entry) ? a.stretch(point, 0)
-            : row < myogrowth_row_stress ? a.n0(point, (row - myogrowth_row_n0) / myogrowth_block_points)
-                                         : no_number;
+  OneAfterTheOther(const Call& call, const double* F, const double* state_in, double* state_out,
+                   double* stress, double* tangent, double* energy) {
+    struct Entries {
+      int tensor[81];
+      constexpr explicit Entries(int first) : tensor{} {
+        for (int& entry : tensor) entry = first + static_cast<int>(&entry - tensor);
       }
-    }
+    };
+    static constexpr Entries of_F(MYOGROWTH_F), of_stress(MYOGROWTH_STRESS), of_tangent(MYOGROWTH_TANGENT);
+    static constexpr int of_energy = MYOGROWTH_ENERGY, other = MYOGROWTH_UNUSED;
+    static constexpr int of_start[abi::n_kept] = {
+        MYOGROWTH_G, other, MYOGROWTH_LAMBDA, other, other, MYOGROWTH_N0, MYOGROWTH_N0 + 1, MYOGROWTH_N0 + 2};
+    static constexpr int of_end[abi::n_kept] = {entry_of_state(0), entry_of_state(1), entry_of_state(2),
+                                                entry_of_state(3), entry_of_state(4), entry_of_state(5),
+                                                entry_of_state(6), entry_of_state(7)};
+    const int n = call.n_state, n_stress = myogrowth_stress_size(call.measure);
+    const auto give = [this](double* data, std::ptrdiff_t step, int size, const int* entry) {
+      if (data && size > 0) out[arrays.n_out++] = {data, step, size, entry};
+    };
+    give(stress, n_stress, n_stress, of_stress.tensor);
+    give(tangent, n_stress * n_stress, n_stress * n_stress, of_tangent.tensor);
+    give(energy, 1, n_stress > 0 ? 1 : 0, &of_energy);
+    if (n < 1) return;
+    in[arrays.n_in++] = {state_in, n,
+                         abi::keeps_fibre(n)      ? abi::n_kept
+                         : n > abi::stretch_entry ? abi::stretch_entry + 1
+                                                  : 1,
+                         of_start};
+    in[arrays.n_in++] = {F, 9, 9, of_F.tensor};
+    const int n_kept = abi::kept_entries(n);
+    give(state_out, n, n_kept, of_end);
+    n_state = n, n_carried = state_in == state_out ? 0 : n - n_kept;
+    carried_from = state_in + n_kept, carried_to = state_out + n_kept;
   }
-}
+  OneAfterTheOther(const OneAfterTheOther&) = delete;
+};
 
 // The reason in words, where there is none yet.
 const char* reason(UpdateStatus status, abi::Text& text) {
@@ -117,109 +159,226 @@ struct Points {
   const Call& call;
   const Arrays& a;
   abi::Text& first_fault;
+  const OneAfterTheOther* whole_state;  // or null
   int failed = 0, first_failed = -1;
-  int row_of_F[9];  // of F's components as they lie, where they are side by side
-  bool is_dense;    // whether they are
+  int missing[n_entries_in], n_missing = 0;  // what is in no array: 0
 
-  Points(const Call& call_, const Arrays& arrays, abi::Text& text)
-      : call(call_), a(arrays), first_fault(text), is_dense(true) {
-    bool is_there[9] = {};
-    for (int c = 0; c < 9 && is_dense; ++c) {
-      const std::ptrdiff_t at = a.F.component[c];
-      is_dense = 0 <= at && at < 9 && !is_there[at];
-      if (is_dense) is_there[at] = true, row_of_F[at] = myogrowth_row_F + c * myogrowth_block_points;
+  Points(const Call& call_, const Arrays& arrays, abi::Text& text, const OneAfterTheOther* whole = nullptr)
+      : call(call_), a(arrays), first_fault(text), whole_state(whole) {
+    bool is_there[MYOGROWTH_UNUSED + 1] = {};
+    for (int i = 0; i < a.n_in; ++i) {
+      for (int c = 0; c < a.in[i].size; ++c) is_there[a.in[i].entry[c]] = true;
+    }
+    for (int e = 0; e < n_entries_in; ++e) {
+      if (!is_there[e]) missing[n_missing++] = e;
     }
   }
 
-  void load(std::ptrdiff_t i, int count, MyogrowthBlock& b) const {
-    b.is_known = a.is_known;
-    b.n_in = 0;
-    const auto from = [&](const abi::Given& given, int n, int first_row) {
-      const bool is_regular = given.data && given.n_axes == 0;
-      for (int c = 0; c < n && is_regular; ++c)
-        b.in[b.n_in++] = {given.at(i) + given.component[c], given.step, 1,
-                          abi::rows_from(first_row + c * myogrowth_block_points)};
-      for (int k = 0; k < count && !is_regular; ++k) {
-        const double* point = given.data ? given.at(i + k) : nullptr;
-        for (int c = 0; c < n; ++c)
-          b.number[first_row + c * myogrowth_block_points + k] = point ? point[given.component[c]] : 0;
-      }
-    };
-    if (is_dense && a.F.n_axes == 0) {
-      b.in[b.n_in++] = {a.F.at(i), a.F.step, 9, row_of_F};
-    } else {
-      from(a.F, 9, myogrowth_row_F);
-    }
-    from(a.G, 1, myogrowth_row_G);
-    from(a.stretch, 1, myogrowth_row_lambda);
-    from(a.n0, 3, myogrowth_row_n0);
-    b.n_out = a.n_out;
+  void describe(MyogrowthBlock& b) const {
+    b.is_known = a.state_is_known;
+    b.in = a.in, b.n_in = a.n_in;
+    b.out = a.out, b.n_out = a.n_out;
+    const int n_stress = myogrowth_stress_size(call.measure);
     for (int o = 0; o < a.n_out; ++o) {
-      b.out[o] = a.out[o];
-      b.out[o].data += i * b.out[o].step;
+      int c = 0;
+      while (c < a.out[o].size && a.out[o].entry[c] == MYOGROWTH_TANGENT + c) ++c;
+      if (c == n_stress * n_stress && c == a.out[o].size) b.direct = o;
     }
   }
-  void finish(std::ptrdiff_t i) const {
-    for (int e = 0; e < a.carried.size; ++e)
-      a.carried_to[i * a.carried.step + e] = a.carried.data[i * a.carried.step + e];
-    if (a.status) a.status[i] = MYOGROWTH_OK;
-  }
-  bool take(std::ptrdiff_t i, const abi::Result& r) const {
-    for (int o = 0; o < a.n_out; ++o) {
-      for (int c = 0; c < a.out[o].size; ++c) a.out[o].data[i * a.out[o].step + c] = r[a.out[o].row[c]];
+  void load(int, int, MyogrowthBlock& b) const {
+    for (int m = 0; m < n_missing; ++m) {
+      for (int k = 0; k < myogrowth_block_points; ++k) b.number[myogrowth_row(missing[m]) + k] = 0;
     }
-    finish(i);
+  }
+  void read(std::ptrdiff_t point, double (&number)[MYOGROWTH_UNUSED + 1]) const {
+    for (int m = 0; m < n_missing; ++m) number[missing[m]] = 0;
+    for (int i = 0; i < a.n_in; ++i) {
+      for (int c = 0; c < a.in[i].size; ++c)
+        number[a.in[i].entry[c]] = a.in[i].data[point * a.in[i].step + c];
+    }
+  }
+  void finish(std::ptrdiff_t first, std::ptrdiff_t count) const {
+    for (std::ptrdiff_t k = first; a.status && k < first + count; ++k) a.status[k] = MYOGROWTH_OK;
+    if (!whole_state || whole_state->n_carried == 0) return;
+    for (std::ptrdiff_t k = first * whole_state->n_state; count > 0; --count, k += whole_state->n_state) {
+      for (int e = 0; e < whole_state->n_carried; ++e)
+        whole_state->carried_to[k + e] = whole_state->carried_from[k + e];
+    }
+  }
+  bool take(std::ptrdiff_t point, const abi::Result& r) const {
+    for (int o = 0; o < a.n_out; ++o) {
+      for (int c = 0; c < a.out[o].size; ++c)
+        a.out[o].data[point * a.out[o].step + c] = r[myogrowth_row(a.out[o].entry[c])];
+    }
+    finish(point, 1);
     return true;
   }
-  UpdateStatus one(std::ptrdiff_t i, abi::Text& text) const {
-    double F[9], state[abi::n_kept] = {a.G(i, 0)};
-    for (int c = 0; c < 9; ++c) F[c] = a.F(i, c);
-    double& stretch = state[abi::stretch_entry] = a.stretch(i, 0);
-    for (int c = 0; c < 3; ++c) state[abi::fibre_entry + c] = a.n0(i, c);
-    if (a.is_known && !(state[0] > 0 && stretch > 0 && is_finite(stretch))) state[0] = no_number;
+  UpdateStatus one(std::ptrdiff_t point, abi::Text& text) const {
+    double number[MYOGROWTH_UNUSED + 1], state[abi::n_kept] = {};
+    read(point, number);
+    for (int e = 0; e < 2 && a.state_is_known; ++e) {
+      const double x = number[MYOGROWTH_G + e];
+      if (x > 0 && is_finite(x)) continue;
+      abi::tell(text, "%s = %.9g on entry: must be > 0 and finite.", e == 0 ? "G" : "lambda", x);
+      return UpdateStatus::bad_state;
+    }
+    state[0] = number[MYOGROWTH_G];
+    state[abi::stretch_entry] = number[MYOGROWTH_LAMBDA];
+    for (int c = 0; c < 3; ++c) state[abi::fibre_entry + c] = number[MYOGROWTH_N0 + c];
     const double no_field = 0;  // PROPS(20) = -1 is refused
-    return abi::update_alone(call, F, state, no_field, text,
-                             [&](const abi::Result& r) { return take(i, r); });
+    return abi::update_alone(call, number + MYOGROWTH_F, state, no_field, text,
+                             [&](const abi::Result& r) { return take(point, r); });
   }
-  void refuse(int i, UpdateStatus status, abi::Text& text) {
-    ::refuse(a, i, static_cast<int>(status));
+  // NaN, so that no host can continue silently.
+  void write_refusal(std::ptrdiff_t point, int status) const {
+    double number[MYOGROWTH_UNUSED + 1];
+    if (a.state_is_known) read(point, number);
+    number[MYOGROWTH_UNUSED] = no_number;
+    if (a.status) a.status[point] = status;
+    for (int o = 0; o < a.n_out; ++o) {
+      for (int c = 0; c < a.out[o].size; ++c) {
+        const int entry = a.out[o].entry[c];
+        if (a.state_is_known || !is_of_state(entry))
+          a.out[o].data[point * a.out[o].step + c] = number[entry_at_start(entry)];
+      }
+    }
+  }
+  void refuse(int point, UpdateStatus status, abi::Text& text) {
+    write_refusal(point, static_cast<int>(status));
     if (failed++ > 0) return;
-    first_failed = i;
+    first_failed = point;
     std::snprintf(first_fault, sizeof first_fault, "%s", reason(status, text));
   }
 };
 
-}  // namespace
-
-namespace myogrowth {
-namespace abi {
-
-int check_props(const double* props, int n_props, CallOfMany& call, Text& text) {
-  if (!props) {
-    tell(text, "props = NULL: the constants are needed.");
-    return MYOGROWTH_BAD_ARGUMENT;
+// All points, of which those that failed are counted; or, where all have the same fault, none.
+int update_all(int n_points, int fault, const Call& call, const Arrays& arrays, abi::Text& text,
+               const OneAfterTheOther* whole_state, char* message, int message_length) {
+  Points points(call, arrays, text, whole_state);
+  if (fault != MYOGROWTH_OK) {
+    for (int i = 0; i < n_points; ++i) points.write_refusal(i, fault);
+    write_message(text, message, message_length);
+    return n_points;
   }
-  const bool fault = find_muscle_fault(props, n_props, false, call.properties, call.law, text) ||
-                     find_hybrid_fault("the C API", call.properties, text);
-  return fault ? MYOGROWTH_BAD_PARAMETER : MYOGROWTH_OK;
-}
-
-int update_arrays(const CallOfMany& call, const Arrays& arrays, int first, int last, Text& text, int* where) {
-  Points points(call, arrays, text);
-  update_many(call, first, last, points);
-  if (where) *where = points.first_failed;
+  abi::update_many(call, 0, n_points, points);
+  if (points.failed > 0 && message && message_length > 0) {
+    std::snprintf(message, static_cast<std::size_t>(message_length), "point %d (of 0 to %d): %s",
+                  points.first_failed, n_points - 1, text);
+  }
   return points.failed;
 }
 
-}  // namespace abi
-}  // namespace myogrowth
+// True, and the text, if one of the arrays of myogrowth_update_strided is not as it has to be.
+template <class Array, class IsAllowed>
+bool find_array_fault(const char* name, const Array* arrays, int n, int n_points, const IsAllowed& is_allowed,
+                      abi::Text& text) {
+  constexpr bool is_output = std::is_same<Array, myogrowth_output>::value;
+  if (n < 0) return abi::tell(text, "n_%s = %d: must be >= 0.", name, n);
+  if (n > 0 && !arrays) return abi::tell(text, "%s = NULL: n_%s = %d arrays are needed.", name, name, n);
+  for (int i = 0; i < n; ++i) {
+    const Array& a = arrays[i];
+    if (!a.data || !a.entry)
+      return abi::tell(text, "%s[%d].%s = NULL: it is needed.", name, i, a.data ? "entry" : "data");
+    if (a.size < 1) return abi::tell(text, "%s[%d].size = %d: must be >= 1.", name, i, a.size);
+    if (is_output && n_points > 1 && a.step < a.size && -a.step < a.size) {
+      return abi::tell(text, "out[%d].step = %td: must be >= size = %d, or <= -size: points would overlap.",
+                       i, a.step, a.size);
+    }
+    for (int c = 0; c < a.size; ++c) {
+      if (!is_allowed(a.entry[c])) {
+        return abi::tell(text, "%s[%d].entry[%d] = %d: must be a number that %s.", name, i, c, a.entry[c],
+                         is_output ? "comes out, in this measure" : "comes in, and be there once");
+      }
+    }
+  }
+  return false;
+}
+
+// Whether numbers of two arrays are at one place, other than one point's state at its end and its beginning.
+template <class Array>
+bool overlap(const Array& a, const myogrowth_output& b, std::ptrdiff_t n_points) {
+  using Place = std::intptr_t;
+  constexpr Place bytes = sizeof(double);
+  const Place last = n_points - 1, a_step = a.step * bytes, b_step = b.step * bytes;
+  const Place a_size = a.size * bytes, b_size = b.size * bytes;
+  // What is at a is so far from what is at b, the first points'.
+  const Place apart = reinterpret_cast<Place>(a.data) - reinterpret_cast<Place>(b.data);
+  const auto before = [&](Place step) { return step < 0 ? last * step : 0; };
+  const auto after = [&](Place step) { return step > 0 ? last * step : 0; };
+  if (apart + after(a_step) + a_size <= before(b_step) || after(b_step) + b_size <= apart + before(a_step))
+    return false;
+  // Whether some of `size` bytes from `at` on are those of some point of b.
+  const auto meets = [&](Place at, Place size) {
+    const Place s = b_step < 0 ? -b_step : b_step, from = b_step < 0 ? at - last * b_step : at;  // in order
+    Place point = s == 0 || from < b_size ? 0 : (from - b_size) / s + 1;  // the first that ends behind `at`
+    return point <= last && point * s < from + size;
+  };
+  if (last > 0 && a_step != b_step) {
+    const Place n = a_step == 0 ? 0 : last;
+    for (Place i = 0; i <= n; ++i) {
+      if (meets(apart + i * a_step, a_size)) return true;
+    }
+    return false;
+  }
+  for (int c = 0; c < a.size; ++c) {
+    const Place at = apart + c * bytes, within = at / bytes;
+    const bool is_its_end =
+        at % bytes == 0 && within >= 0 && within < b.size && entry_at_start(b.entry[within]) == a.entry[c];
+    if (!std::is_same<Array, myogrowth_output>::value && (a.entry[c] == MYOGROWTH_UNUSED || is_its_end))
+      continue;
+    // (Points of both are equally far apart: any of them that meet have a first or a last point among them.)
+    if (meets(at, bytes) || meets(at + last * a_step, bytes)) return true;
+  }
+  return false;
+}
+
+// The same for all of them.
+bool find_fault(const Arrays& a, int n_points, Call& call, abi::Text& text) {
+  bool is_there[MYOGROWTH_UNUSED + 1] = {};
+  const auto comes_in = [&](int entry) {
+    const bool is_input =
+        entry == MYOGROWTH_UNUSED || (entry >= 0 && entry < n_entries_in && !is_there[entry]);
+    if (is_input) is_there[entry] = true;
+    return is_input;
+  };
+  const int n_stress = myogrowth_stress_size(call.measure);
+  const auto comes_out = [&](int entry) {
+    const int of_tangent = entry - MYOGROWTH_TANGENT;
+    const bool is_of_tangent = of_tangent >= 0 && of_tangent < n_stress * n_stress;
+    call.with_tangent = call.with_tangent || is_of_tangent;
+    return is_of_tangent || (entry >= MYOGROWTH_N0 && entry < MYOGROWTH_STRESS + n_stress) ||
+           (entry >= MYOGROWTH_G_END && entry <= MYOGROWTH_ENERGY);
+  };
+  if (find_array_fault("in", a.in, a.n_in, n_points, comes_in, text) ||
+      find_array_fault("out", a.out, a.n_out, n_points, comes_out, text))
+    return true;
+  for (int c = 0; c < 9; ++c) {
+    if (!is_there[MYOGROWTH_F + c])
+      return abi::tell(text, "F%d%d: is in no array of in: all of F is needed.", c % 3 + 1, c / 3 + 1);
+  }
+  call.n_state = is_there[MYOGROWTH_LAMBDA] ? abi::n_kept : 1;
+  for (int o = 0; o < a.n_out; ++o) {
+    for (int i = 0; i < a.n_in; ++i) {
+      if (overlap(a.in[i], a.out[o], n_points))
+        return abi::tell(text, "out[%d] overlaps in[%d]: only the state may be written where it is read.", o,
+                         i);
+    }
+    for (int other = 0; other < o; ++other) {
+      if (overlap(a.out[other], a.out[o], n_points))
+        return abi::tell(text, "out[%d] overlaps out[%d]: it must have memory of its own.", o, other);
+    }
+  }
+  return false;
+}
+
+}  // namespace
 
 extern "C" {
 
 int myogrowth_check(const double* props, int n_props, char* message, int message_length) {
   Call common{};
   abi::Text text = "";
-  const int status = abi::check_props(props, n_props, common, text);
+  const int status = check_props(props, n_props, common, text);
   write_message(text, message, message_length);
   return status;
 }
@@ -231,16 +390,17 @@ int myogrowth_update(const double* props, int n_props, const double F[9], const 
   Call call = call_of(n_state, dt, measure, tangent != nullptr);
   int made = check(props, n_props, F, state_in, state_out, stress, call, text);
   if (made != MYOGROWTH_OK) call.n_state = 0;  // it may be anything, and no state is touched
-  const Arrays a = arrays_of(call, F, state_in, state_out, stress, tangent, energy);
+  const OneAfterTheOther whole(call, F, state_in, state_out, stress, tangent, energy);
+  abi::Text unused;
+  const Points points(call, whole.arrays, unused, &whole);
   if (made == MYOGROWTH_OK) {
     call.n_state = abi::n_kept;  // with zeros for what is not there
-    abi::Text unused;
-    const UpdateStatus status = Points(call, a, unused).one(0, text);
+    const UpdateStatus status = points.one(0, text);
     made = static_cast<int>(status);
     reason(status, text);
   }
   write_message(text, message, message_length);
-  if (made != MYOGROWTH_OK) refuse(a, 0, made);
+  if (made != MYOGROWTH_OK) points.write_refusal(0, made);
   return made;
 }
 
@@ -254,21 +414,29 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
   Call call = call_of(n_state, dt, measure, tangent != nullptr);
   const int fault = check(props, n_props, F, state_in, state_out, stress, call, text);
   if (fault != MYOGROWTH_OK) call.n_state = 0;  // it may be anything, and no state is touched
-  Arrays a = arrays_of(call, F, state_in, state_out, stress, tangent, energy);
-  a.status = status;
-  if (fault != MYOGROWTH_OK) {
-    write_message(text, message, message_length);
-    for (int i = 0; i < n_points; ++i) refuse(a, i, fault);
-    return n_points;
+  OneAfterTheOther whole(call, F, state_in, state_out, stress, tangent, energy);
+  whole.arrays.status = status;
+  call.n_state = abi::n_kept;  // with zeros for what is not there
+  return update_all(n_points, fault, call, whole.arrays, text, &whole, message, message_length);
+}
+
+int myogrowth_update_strided(int n_points, const double* props, int n_props, const struct myogrowth_input* in,
+                             int n_in, double dt, int measure, const struct myogrowth_output* out, int n_out,
+                             int state_is_known, int* status, char* message, int message_length) {
+  write_message("", message, message_length);
+  if (n_points <= 0) return 0;
+  abi::Text text = "";
+  Call call = call_of(0, dt, measure, false);
+  Arrays arrays{in, n_in, out, n_out, state_is_known != 0, status};
+  int fault = MYOGROWTH_OK;
+  if (find_fault(arrays, n_points, call, text)) {
+    fault = MYOGROWTH_BAD_ARGUMENT;
+    arrays.n_in = arrays.n_out = 0;
+  } else {
+    fault = check(props, n_props, "entries of the state in in", call, text);
   }
   call.n_state = abi::n_kept;  // with zeros for what is not there
-  int where;
-  const int failed = abi::update_arrays(call, a, 0, n_points, text, &where);
-  if (failed > 0 && message && message_length > 0) {
-    std::snprintf(message, static_cast<std::size_t>(message_length), "point %d (of 0 to %d): %s", where,
-                  n_points - 1, text);
-  }
-  return failed;
+  return update_all(n_points, fault, call, arrays, text, nullptr, message, message_length);
 }
 
 int myogrowth_uniaxial(const double* props, int n_props, double stretch, const double* state_in,

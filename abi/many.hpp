@@ -4,7 +4,9 @@
 #ifndef MYOGROWTH_ABI_MANY_HPP
 #define MYOGROWTH_ABI_MANY_HPP
 
+#include <cstdint>
 #include <myogrowth/more/left_stretch.hpp>
+#include <new>
 
 #include "block.hpp"
 #include "elastic_laws.hpp"
@@ -104,9 +106,10 @@ inline bool packs_can(const FibreGrowth<double>& m, double dt) {
 
 /// Updates the points [first, last): in packs those that packs can take, the others one by one.
 ///
-/// Host has load(i, count, block): says where the block's points, from i on, come from and go to, or fills
-/// their rows; take(i, result): as update_alone's; finish(i): after a result that block.out has got; one(i,
-/// text): updates point i by update_alone; refuse(i, status, text): it has no result, the text may be empty.
+/// Host has describe(block): says where all points come from and go to, if the batch may read and write them;
+/// load(i, count, block): fills the rows of the block's points, from i on, that are not read so;
+/// take(i, result): as update_alone's; finish(i, count): these have got their results; one(i, text): updates
+/// point i by update_alone; refuse(i, status, text): it has no result, the text may be empty.
 template <class Host>
 void update_many(const Common& c, int first, int last, Host& host) {
   constexpr int size = myogrowth_block_points;
@@ -115,26 +118,29 @@ void update_many(const Common& c, int first, int last, Host& host) {
   const bool in_packs =
       packs_can(c.properties.material, c.dt) && !c.properties.local_basis && c.law.law == Law::neo_hookean;
   MyogrowthUpdateBlock* const update = update_block();
-  MyogrowthBlock block;
+  constexpr std::size_t line = 64;  // (by hand: not every compiler can align the stack so)
+  unsigned char memory[sizeof(MyogrowthBlock) + line];
+  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(memory) % line;
+  MyogrowthBlock& block = *new (memory + (line - beyond)) MyogrowthBlock;
   block.dt = c.dt;
   block.stretch_is_checked =
       c.properties.material.integration == TimeIntegration::midpoint_flow || c.properties.tolerance > 0;
   block.is_known = block.is_given = false;
   block.n_in = block.n_out = 0;
+  block.direct = -1;
+  host.describe(block);
   for (int i = 0; i < 3; ++i) block.fibre[i] = c.properties.n0[i];
   Text text;
   for (int left = last - first; left > 0; first += size, left -= size) {
     const int count = left < size ? left : size;
     if (in_packs) {
+      block.first = first;
       host.load(first, count, block);
       update(props, count, c.measure, c.with_tangent, &block);
     }
-    for (int k = 0; k < count; ++k) {
+    if (block.is_given) host.finish(first, count);
+    for (int k = 0; k < count && !block.is_given; ++k) {
       const int i = first + k;
-      if (block.is_given) {
-        host.finish(i);
-        continue;
-      }
       if (in_packs && block.number[myogrowth_row_check + k] == 0 &&
           host.take(i, Result{block.number + k, size}))
         continue;

@@ -25,6 +25,8 @@
 #ifndef MYOGROWTH_H
 #define MYOGROWTH_H
 
+#include <stddef.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -150,6 +152,65 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
                        const double* state_in, double* state_out, int n_state, double dt, int measure,
                        double* stress, double* tangent, double* energy, int* status, char* message,
                        int message_length);
+
+/// The numbers of a point that myogrowth_update_strided reads and writes. Where a name stands for several,
+/// they are this and the next ones, in the order of the measure.
+enum myogrowth_entry {
+  MYOGROWTH_F = 0,             ///< in, 9, column by column; all of them are needed
+  MYOGROWTH_G = 9,             ///< in: of the state at the beginning of the step
+  MYOGROWTH_LAMBDA = 10,       ///< in: likewise
+  MYOGROWTH_N0 = 11,           ///< in, 3: the fibre; out: the same, of unit length
+  MYOGROWTH_STRESS = 14,       ///< out, up to 9: the size of the measure
+  MYOGROWTH_TANGENT = 23,      ///< out, up to 81
+  MYOGROWTH_G_END = 104,       ///< out: of the state at the end of the step, as the next four
+  MYOGROWTH_LAMBDA_E = 105,    ///< out
+  MYOGROWTH_LAMBDA_END = 106,  ///< out
+  MYOGROWTH_J = 107,           ///< out
+  MYOGROWTH_JE = 108,          ///< out
+  MYOGROWTH_ENERGY = 109,      ///< out: psi
+  MYOGROWTH_UNUSED = 110       ///< in: something else
+};
+
+/// An array of points to read: number c of point k, at data[k * step + c], is entry[c].
+struct myogrowth_input {
+  const double* data;
+  ptrdiff_t step;    ///< from a point to the next, in numbers; 0: all have the same
+  int size;          ///< numbers of a point that lie side by side
+  const int* entry;  ///< what they are: size values of myogrowth_entry
+};
+
+/// An array of points to write, likewise. |step| is at least size.
+struct myogrowth_output {
+  double* data;
+  ptrdiff_t step;    ///< from a point to the next, in numbers
+  int size;          ///< numbers of a point that lie side by side
+  const int* entry;  ///< what they are: size values of myogrowth_entry; one may be there several times
+};
+
+/// myogrowth_update_n for arrays in any order of memory: components apart or side by side, symmetric tensors
+/// in six numbers or nine, points among other data. Only what is asked for is written. A matrix F[i][j] in
+/// C's order, n_points of them, and P[i][j] likewise:
+///
+///     const int of_F[9] = {0, 3, 6, 1, 4, 7, 2, 5, 8};        // MYOGROWTH_F is 0
+///     const int of_P[9] = {14, 17, 20, 15, 18, 21, 16, 19, 22};
+///     const struct myogrowth_input in[] = {{F, 9, 9, of_F}};
+///     const struct myogrowth_output out[] = {{P, 9, 9, of_P}};
+///     myogrowth_update_strided(n_points, props, 6, in, 1, 0.1, MYOGROWTH_FIRST_PIOLA, out, 1, 0, NULL, NULL,
+///     0);
+///
+/// in[n_in]: every entry once at most. G and lambda that are not there, or 0, are not known yet and taken as
+/// 1, as in myogrowth_update, and the fibre is then that of props. state_is_known != 0: they are, and must be
+/// > 0; a point that fails then gets its state as it came in, and NaN as lambda_e, J and Je; else its state
+/// is not touched. status[n_points], or NULL: the myogrowth_status of every point.
+///
+/// Outputs may not overlap one another or an input, except that the state may be written where it is read:
+/// G_end, lambda_end and n0 over G, lambda and n0 with the same step.
+///
+/// Returns the number of points that failed. The message is about the first. All of them fail if it is props
+/// or an argument that is wrong; no output is written then if it is in or out, n_in or n_out.
+int myogrowth_update_strided(int n_points, const double* props, int n_props, const struct myogrowth_input* in,
+                             int n_in, double dt, int measure, const struct myogrowth_output* out, int n_out,
+                             int state_is_known, int* status, char* message, int message_length);
 
 /// One step of a strip that is pulled along its fibre with its sides free, uniaxial stress: to the total
 /// stretch at its end. Of the rest as myogrowth_update; the direction of the fibre plays no part.

@@ -145,7 +145,8 @@ struct Points {
     }
   }
   bool take(int k, const abi::Result& r) const { return write(b, k, r); }
-  void finish(int) const {}
+  void describe(MyogrowthBlock&) const {}
+  void finish(int, int) const {}
   UpdateStatus one(int k, abi::Text& text) const {
     double U[9], state[abi::n_kept];
     read_stretch(b, b.stretch, k, U);

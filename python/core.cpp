@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <climits>
+#include <cstddef>
+#include <iterator>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
-#include "arrays.hpp"
-#include "myogrowth.h"
+#include <myogrowth.h>
 
 namespace py = pybind11;
 
@@ -18,7 +20,6 @@ namespace {
 
 using Array = py::array_t<double, py::array::c_style>;  // never converted here: what came in is not copied
 using AnyOrder = py::array_t<double>;
-namespace host = myogrowth::abi;  // (abi is the compiler's)
 
 int props_size(const Array& props) { return static_cast<int>(props.size()); }
 
@@ -27,43 +28,83 @@ std::ptrdiff_t step(const py::array& a, py::ssize_t axis) {
   return a.strides(axis) / static_cast<std::ptrdiff_t>(sizeof(double));
 }
 
-/// The points' axes of an array with so many others, as few of them as do.
-std::vector<host::Axis> axes_of_points(const py::array& a, py::ssize_t n_others) {
-  std::vector<host::Axis> axes;
-  for (py::ssize_t i = 0; i < a.ndim() - n_others; ++i) {
-    const host::Axis axis{a.shape(i), step(a, i)};
-    if (axis.size == 1) continue;
-    if (!axes.empty() && axes.back().step == axis.size * axis.step) {
-      axes.back() = {axes.back().size * axis.size, axis.step};
-    } else {
-      axes.push_back(axis);
+/// Axes of points, the last one fastest.
+struct Axis {
+  std::ptrdiff_t size, step;
+};
+
+/// An input: `n` numbers of a point, the first of them `entry`, where they are from the point's first one on.
+/// The points have one axis, or as few as do.
+struct Given {
+  const double* data;
+  std::vector<Axis> axes;
+  int n, entry[9], of_memory[9];  ///< of_memory: the entries as they lie side by side, if they do
+  std::ptrdiff_t component[9];
+  bool is_dense = true;
+
+  /// component: where a point's numbers are.
+  Given(const py::array& a, py::ssize_t n_axes_of_components, int first_entry, int size)
+      : data(static_cast<const double*>(a.data())), n(size) {
+    const py::ssize_t n_axes = a.ndim() - n_axes_of_components;
+    for (py::ssize_t i = 0; i < n_axes; ++i) {
+      const Axis axis{a.shape(i), step(a, i)};
+      if (axis.size == 1) continue;
+      if (!axes.empty() && axes.back().step == axis.size * axis.step) {
+        axes.back() = {axes.back().size * axis.size, axis.step};
+      } else {
+        axes.push_back(axis);
+      }
+    }
+    std::fill_n(of_memory, n, -1);
+    for (int c = 0; c < n; ++c) {
+      entry[c] = first_entry + c;
+      component[c] = n_axes_of_components == 0   ? 0
+                     : n_axes_of_components == 1 ? c * step(a, n_axes)
+                                                 : c % 3 * step(a, n_axes) + c / 3 * step(a, n_axes + 1);
+      is_dense = is_dense && component[c] >= 0 && component[c] < n && of_memory[component[c]] < 0;
+      if (is_dense) of_memory[component[c]] = entry[c];
     }
   }
-  return axes;
-}
+  bool has_one_step() const { return axes.size() < 2; }
+  const double* at(std::ptrdiff_t point) const {
+    const double* p = data;
+    for (std::size_t i = axes.size(); i-- > 0; point /= axes[i].size)
+      p += point % axes[i].size * axes[i].step;
+    return p;
+  }
+  /// The points from one on, as they lie; or, where they have no one step, `count` of them copied to a
+  /// buffer.
+  void give(std::ptrdiff_t first, std::ptrdiff_t count, double* buffer,
+            std::vector<myogrowth_input>& in) const {
+    if (!has_one_step()) {
+      for (std::ptrdiff_t k = 0; k < count; ++k) {
+        const double* const point = at(first + k);
+        for (int c = 0; c < n; ++c) buffer[k * n + c] = point[component[c]];
+      }
+      in.push_back({buffer, n, n, entry});
+      return;
+    }
+    const std::ptrdiff_t points_step = axes.empty() ? 0 : axes[0].step;
+    const double* const from = data + first * points_step;
+    if (is_dense) {
+      in.push_back({from, points_step, n, of_memory});
+    } else {
+      for (int c = 0; c < n; ++c) in.push_back({from + component[c], points_step, 1, entry + c});
+    }
+  }
+};
 
-/// An input of points: `axes` must live as long.
-host::Given given(const py::array& a, const std::vector<host::Axis>& axes) {
-  host::Given g;
-  g.data = static_cast<const double*>(a.data());
-  if (axes.size() > 1) g.axis = axes.data(), g.n_axes = static_cast<int>(axes.size());
-  if (axes.size() == 1) g.step = axes[0].step;
-  for (std::ptrdiff_t c = 0; c < 9; ++c) g.component[c] = 0;
-  return g;
-}
-
-/// The rows of a block that NumPy's order of a measure's tensors takes: [i, j] and [i, j, k, l].
+/// The entries of a measure's tensors in NumPy's order: [i, j] and [i, j, k, l].
 struct NumpyOrder {
   int stress[9], tangent[81];
   explicit NumpyOrder(int measure) {
     static constexpr int six[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
     const bool is_first = measure == MYOGROWTH_FIRST_PIOLA;
-    const int n = is_first ? 9 : 6, points = myogrowth_block_points;
     const auto at = [&](int ij) { return is_first ? ij / 3 + 3 * (ij % 3) : six[ij / 3][ij % 3]; };
     for (int ij = 0; ij < 9; ++ij) {
-      stress[ij] = myogrowth_row_stress + at(ij) * points;
+      stress[ij] = MYOGROWTH_STRESS + at(ij);
       for (int kl = 0; kl < 9; ++kl)
-        tangent[9 * ij + kl] = myogrowth_row_tangent + (at(ij) + n * at(kl)) * points;
+        tangent[9 * ij + kl] = MYOGROWTH_TANGENT + at(ij) + myogrowth_stress_size(measure) * at(kl);
     }
   }
 };
@@ -75,65 +116,79 @@ int update(const Array& props, const AnyOrder& F, const AnyOrder& G, const AnyOr
            const AnyOrder& n0, double dt, int measure, int threads, Array stress, const py::object& tangent,
            Array energy, Array G_end, Array stretch_end, Array n0_end, Array lambda_e, Array J, Array Je,
            py::array_t<int, py::array::c_style> status) {
-  if (energy.size() > INT_MAX - myogrowth_block_points)
-    throw py::value_error("too many points for one call: at most 2147483615");
+  constexpr int at_once = 256;  // points, where some of them are copied first
+  if (energy.size() > INT_MAX - at_once)
+    throw py::value_error("too many points for one call: at most " + std::to_string(INT_MAX - at_once));
   const int n = static_cast<int>(energy.size());
-  host::CallOfMany call{};
-  host::Text text;
-  if (host::check_props(props.data(), props_size(props), call, text) != MYOGROWTH_OK)
-    throw py::value_error(text);
-  call.n_state = host::n_kept;
-  call.dt = dt;
-  call.measure = measure;
-  call.with_tangent = !tangent.is_none();
+  char message[400];
+  if (myogrowth_check(props.data(), props_size(props), message, sizeof message) != MYOGROWTH_OK)
+    throw py::value_error(message);
 
-  const auto axes_of_F = axes_of_points(F, 2), axes_of_G = axes_of_points(G, 0),
-             axes_of_stretch = axes_of_points(stretch, 0), axes_of_n0 = axes_of_points(n0, 1);
+  const Given given[] = {{G, 0, MYOGROWTH_G, 1},
+                         {stretch, 0, MYOGROWTH_LAMBDA, 1},
+                         {n0, 1, MYOGROWTH_N0, 3},
+                         {F, 2, MYOGROWTH_F, 9}};
+  const bool all_have_one_step =
+      std::all_of(std::begin(given), std::end(given), [](const Given& g) { return g.has_one_step(); });
   const NumpyOrder order(measure);
-  host::Arrays a;
-  a.F = given(F, axes_of_F);
-  for (py::ssize_t c = 0; c < 9; ++c)
-    a.F.component[c] = c % 3 * step(F, F.ndim() - 2) + c / 3 * step(F, F.ndim() - 1);
-  a.G = given(G, axes_of_G);
-  a.stretch = given(stretch, axes_of_stretch);
-  a.n0 = given(n0, axes_of_n0);
-  for (py::ssize_t c = 0; c < 3; ++c) a.n0.component[c] = c * step(n0, n0.ndim() - 1);
-  a.give(stress.mutable_data(), 9, 9, order.stress);
-  if (call.with_tangent) a.give(py::cast<Array>(tangent).mutable_data(), 81, 81, order.tangent);
-  const auto give_row = [&](Array& to, int row) { a.give(to.mutable_data(), 1, 1, host::rows_from(row)); };
-  give_row(energy, myogrowth_row_psi);
-  Array* const state[] = {&G_end, &lambda_e, &stretch_end, &J, &Je};
-  for (int e = 0; e < 5; ++e) give_row(*state[e], host::row_of_state(e));
-  a.give(n0_end.mutable_data(), 3, 3, host::rows_from(myogrowth_row_n0));
-  a.status = status.mutable_data();
-  a.is_known = true;
+  static constexpr int of_state[] = {MYOGROWTH_G_END, MYOGROWTH_LAMBDA_E, MYOGROWTH_LAMBDA_END,
+                                     MYOGROWTH_J,     MYOGROWTH_JE,       MYOGROWTH_ENERGY};
+  static constexpr int of_n0[] = {MYOGROWTH_N0, MYOGROWTH_N0 + 1, MYOGROWTH_N0 + 2};
+  std::vector<myogrowth_output> out = {{stress.mutable_data(), 9, 9, order.stress},
+                                       {n0_end.mutable_data(), 3, 3, of_n0}};
+  if (!tangent.is_none()) out.push_back({py::cast<Array>(tangent).mutable_data(), 81, 81, order.tangent});
+  Array* const numbers[] = {&G_end, &lambda_e, &stretch_end, &J, &Je, &energy};
+  for (int e = 0; e < 6; ++e) out.push_back({numbers[e]->mutable_data(), 1, 1, of_state + e});
+  int* const status_of = status.mutable_data();
+  const double* const constants = props.data();
+  const int n_constants = props_size(props);
 
   const py::gil_scoped_release others_may_run;
   // Parts of whole blocks, one a thread; the last is this one's.
-  const int blocks = (n + myogrowth_block_points - 1) / myogrowth_block_points;
+  const int blocks = (n + at_once - 1) / at_once;
   const int parts = std::max(1, std::min(threads, blocks));
-  std::vector<int> failed(static_cast<std::size_t>(parts), 0);
-  const auto work = [&](int part) {
+  struct Part {
+    std::vector<myogrowth_input> in;
+    std::vector<myogrowth_output> out;
+    std::vector<double> copied;
+    int failed = 0;
+  };
+  std::vector<Part> all_parts(static_cast<std::size_t>(parts));
+  for (Part& p : all_parts)
+    p.in.reserve(14), p.out = out, p.copied.resize(all_have_one_step ? 0 : 14 * at_once);
+  const auto work = [&](int number) {
+    Part& part = all_parts[static_cast<std::size_t>(number)];
     const auto start = [&](int p) {
-      return std::min(n, static_cast<int>(static_cast<long>(blocks) * p / parts) * myogrowth_block_points);
+      return std::min(n, static_cast<int>(static_cast<long long>(blocks) * p / parts) * at_once);
     };
-    host::Text unused;
-    failed[static_cast<std::size_t>(part)] =
-        host::update_arrays(call, a, start(part), start(part + 1), unused, nullptr);
+    for (int first = start(number), count; first < start(number + 1); first += count) {
+      count = start(number + 1) - first;
+      if (!all_have_one_step) count = std::min(count, at_once);
+      part.in.clear();
+      double* buffer = part.copied.data();
+      for (const Given& g : given) {
+        g.give(first, count, buffer, part.in);
+        if (!all_have_one_step) buffer += g.n * at_once;
+      }
+      for (std::size_t o = 0; o < out.size(); ++o) part.out[o].data = out[o].data + first * out[o].step;
+      part.failed += myogrowth_update_strided(
+          count, constants, n_constants, part.in.data(), static_cast<int>(part.in.size()), dt, measure,
+          part.out.data(), static_cast<int>(out.size()), true, status_of + first, nullptr, 0);
+    }
   };
   std::vector<std::thread> others;
-  for (int part = 0; part < parts - 1; ++part) {
+  for (int number = 0; number < parts - 1; ++number) {
     try {
-      others.emplace_back(work, part);
+      others.emplace_back(work, number);
     } catch (const std::system_error&) {  // there are no more threads
-      work(part);
+      work(number);
     }
   }
   work(parts - 1);
   for (std::thread& other : others) other.join();
-  int sum = 0;
-  for (int f : failed) sum += f;
-  return sum;
+  int failed = 0;
+  for (const Part& part : all_parts) failed += part.failed;
+  return failed;
 }
 
 /// A strip pulled along its fibre with free sides: time[n], stretch[n]; the first row is the start, where

@@ -535,6 +535,230 @@ static void test_many_points(void) {
   }
 }
 
+/* Points of test_strided, one of which is inverted, and what myogrowth_update_n gives for them. */
+enum { n_strided = 75, inverted_one = 40 };
+static double F_all[n_strided * 9], state_all[n_strided * n_state], after_all[n_strided * n_state];
+static double stress_all[n_strided * 9], tangent_all[n_strided * 81], energy_all[n_strided];
+static int status_all[n_strided];
+
+static int same(double a, double b) { return a == b || (isnan(a) && isnan(b)); }
+
+/* Tests of the same bits, in arrays as a caller may have them. */
+static void test_strided_is_update_n(int m) {
+  static const int of_state[8] = {MYOGROWTH_G_END,  MYOGROWTH_LAMBDA_E, MYOGROWTH_LAMBDA_END,
+                                  MYOGROWTH_J,      MYOGROWTH_JE,       MYOGROWTH_N0,
+                                  MYOGROWTH_N0 + 1, MYOGROWTH_N0 + 2};
+  static const int of_start[8] = {MYOGROWTH_G,      MYOGROWTH_UNUSED, MYOGROWTH_LAMBDA, MYOGROWTH_UNUSED,
+                                  MYOGROWTH_UNUSED, MYOGROWTH_N0,     MYOGROWTH_N0 + 1, MYOGROWTH_N0 + 2};
+  static const int of_energy = MYOGROWTH_ENERGY;
+  const int n = myogrowth_stress_size(m);
+  int entry[MYOGROWTH_UNUSED + 1], status[n_strided];
+  char message[message_length];
+  for (int e = 0; e <= MYOGROWTH_UNUSED; ++e) entry[e] = e;
+  CHECK(myogrowth_update_n(n_strided, oblique, 11, F_all, state_all, after_all, n_state, 0.1, m, stress_all,
+                           tangent_all, energy_all, status_all, NULL, 0) == 1);
+
+  { /* every component an array of its own, the points from the last to the first; one G and no fibre for all
+     */
+    static double F[9][n_strided], stress[9][n_strided], tangent[81][n_strided], G[n_strided];
+    const double one = 1;
+    struct myogrowth_input in[10];
+    struct myogrowth_output out[9 + 81 + 1];
+    int n_out = 0;
+    for (int c = 0; c < 9; ++c) {
+      for (int k = 0; k < n_strided; ++k) F[c][n_strided - 1 - k] = F_all[9 * k + c];
+      in[c] = (struct myogrowth_input){F[c] + n_strided - 1, -1, 1, entry + MYOGROWTH_F + c};
+    }
+    in[9] = (struct myogrowth_input){&one, 0, 1, entry + MYOGROWTH_G};
+    for (int c = 0; c < n; ++c)
+      out[n_out++] =
+          (struct myogrowth_output){stress[c] + n_strided - 1, -1, 1, entry + MYOGROWTH_STRESS + c};
+    for (int c = 0; c < n * n; ++c)
+      out[n_out++] = (struct myogrowth_output){tangent[c], 1, 1, entry + MYOGROWTH_TANGENT + c};
+    out[n_out++] = (struct myogrowth_output){G, 1, 1, entry + MYOGROWTH_G_END};
+    fill(G, n_strided, -777);
+    CHECK(myogrowth_update_strided(n_strided, oblique, 11, in, 10, 0.1, m, out, n_out, 0, status, message,
+                                   message_length) == 1);
+    CHECK_TEXT(message, "point 40 (of 0 to 74): inverted");
+    CHECK(memcmp(status, status_all, sizeof status) == 0);
+    for (int k = 0; k < n_strided; ++k) {
+      for (int c = 0; c < n; ++c) CHECK(same(stress[c][n_strided - 1 - k], stress_all[n * k + c]));
+      for (int c = 0; c < n * n; ++c) CHECK(same(tangent[c][k], tangent_all[n * n * k + c]));
+      CHECK(k == inverted_one ? G[k] == -777 : G[k] == after_all[n_state * k]);
+    }
+  }
+  { /* all of a point side by side, the state in place, stress as a matrix of nine and twice */
+    enum {
+      step = 160,
+      at_F = 3,
+      at_state = 20,
+      at_stress = 30,
+      at_tangent = 45,
+      at_energy = 140,
+      at_again = 150
+    };
+    static double points[n_strided][step];
+    static const int of_six[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2};
+    int of_stress[9];
+    double* const all = &points[0][0];
+    for (int i = 0; i < 9; ++i) of_stress[i] = MYOGROWTH_STRESS + (n == 9 ? i : of_six[i]);
+    for (int k = 0; k < n_strided; ++k) {
+      fill(points[k], step, -777);
+      memcpy(points[k] + at_F, F_all + 9 * k, 9 * sizeof(double));
+      memcpy(points[k] + at_state, state_all + n_state * k, 8 * sizeof(double));
+    }
+    const struct myogrowth_input in[] = {{all + at_F, step, 9, entry + MYOGROWTH_F},
+                                         {all + at_state, step, 8, of_start}};
+    const struct myogrowth_output out[] = {{all + at_stress, step, 9, of_stress},
+                                           {all + at_tangent, step, n * n, entry + MYOGROWTH_TANGENT},
+                                           {all + at_state, step, 8, of_state},
+                                           {all + at_energy, step, 1, &of_energy},
+                                           {all + at_again, step, 9, of_stress}};
+    CHECK(myogrowth_update_strided(n_strided, oblique, 11, in, 2, 0.1, m, out, 5, 0, NULL, NULL, 0) == 1);
+    for (int k = 0; k < n_strided; ++k) {
+      const double* p = points[k];
+      for (int i = 0; i < 9; ++i) {
+        CHECK(same(p[at_stress + i], stress_all[n * k + of_stress[i] - MYOGROWTH_STRESS]));
+        CHECK(same(p[at_again + i], p[at_stress + i]));
+      }
+      for (int c = 0; c < n * n; ++c) CHECK(same(p[at_tangent + c], tangent_all[n * n * k + c]));
+      for (int c = 0; c < 8; ++c)
+        CHECK(p[at_state + c] == (k == inverted_one ? state_all : after_all)[n_state * k + c]);
+      CHECK(same(p[at_energy], energy_all[k]));
+      CHECK(p[at_state + 8] == -777 && p[0] == -777 && p[at_again + 9] == -777 &&
+            p[at_tangent + n * n] == -777);
+    }
+  }
+}
+
+static void test_strided(void) {
+  for (int k = 0; k < n_strided; ++k) {
+    for (int i = 0; i < 9; ++i) F_all[9 * k + i] = sheared[i] + 0.02 * sin(7.0 * k + i);
+    state_all[n_state * k] = 1;
+  }
+  F_all[9 * inverted_one] = -1;
+  for (int i = 0; i < 3; ++i) test_strided_is_update_n(measures[i]);
+
+  /* a known state is > 0, and given back by a point that fails */
+  int entry[MYOGROWTH_UNUSED + 1], status[n_strided];
+  for (int e = 0; e <= MYOGROWTH_UNUSED; ++e) entry[e] = e;
+  double F[9 * 2], start[2 * 5] = {1.02, 1.1, 0.6, 0.48, 0.64, 0, 1.1, 1, 0, 0}, end[2 * 5], rest[2 * 4],
+                             P[2 * 9];
+  static const int of_end[5] = {MYOGROWTH_G_END, MYOGROWTH_LAMBDA_END, MYOGROWTH_N0, MYOGROWTH_N0 + 1,
+                                MYOGROWTH_N0 + 2};
+  static const int of_rest[4] = {MYOGROWTH_LAMBDA_E, MYOGROWTH_J, MYOGROWTH_JE, MYOGROWTH_ENERGY};
+  memcpy(F, sheared, sizeof sheared);
+  memcpy(F + 9, sheared, sizeof sheared);
+  struct myogrowth_input in[] = {{F, 9, 9, entry + MYOGROWTH_F}, {start, 5, 5, entry + MYOGROWTH_G}};
+  struct myogrowth_output out[] = {
+      {end, 5, 5, of_end}, {rest, 4, 4, of_rest}, {P, 9, 9, entry + MYOGROWTH_STRESS}};
+  char message[message_length];
+  CHECK(myogrowth_update_strided(2, oblique, 11, in, 2, 0.1, MYOGROWTH_FIRST_PIOLA, out, 3, 1, status,
+                                 message, message_length) == 1);
+  CHECK_TEXT(message, "point 1 (of 0 to 1): G = 0 on entry: must be > 0");
+  CHECK(status[0] == MYOGROWTH_OK && status[1] == MYOGROWTH_BAD_STATE);
+  CHECK(end[0] > 1.02 && memcmp(end + 5, start + 5, 5 * sizeof(double)) == 0);
+  CHECK(all_nan(rest + 4, 4) && all_nan(P + 9, 9) && isfinite(P[0] + rest[0]));
+  /* what is wrong with props is wrong for all */
+  CHECK(myogrowth_update_strided(2, table_1, 5, in, 2, 0.1, MYOGROWTH_FIRST_PIOLA, out, 3, 1, status, message,
+                                 message_length) == 2);
+  CHECK_TEXT(message, "NPROPS = 5");
+  CHECK(status[0] == MYOGROWTH_BAD_PARAMETER && all_nan(P, 18) && memcmp(end, start, sizeof end) == 0);
+
+  /* arrays that are not as they have to be: nothing is written */
+  double big[100];
+  const double second_order[12] = {16, 4, 0.5, 2, 1.3, 1.01, 1, 0, 0, 0, 0, 1};
+  const struct {
+    const char* words;
+    struct myogrowth_input in[2];
+    int n_in;
+    struct myogrowth_output out[2];
+    int n_out, measure, n_props;
+  } bad[] = {
+#define GOOD_F {F, 9, 9, entry}
+#define OUT_P \
+  { P, 9, 9, entry + MYOGROWTH_STRESS }
+      {"n_in = -1: must be >= 0", {GOOD_F}, -1, {OUT_P}, 1, 1, 11},
+      {"F11: is in no array of in", {{start, 5, 5, entry + MYOGROWTH_G}}, 1, {OUT_P}, 1, 1, 11},
+      {"F33: is in no array of in", {{F, 9, 8, entry}}, 1, {OUT_P}, 1, 1, 11},
+      {"in[0].data = NULL", {{NULL, 9, 9, entry}}, 1, {OUT_P}, 1, 1, 11},
+      {"in[0].entry = NULL", {{F, 9, 9, NULL}}, 1, {OUT_P}, 1, 1, 11},
+      {"in[0].size = 0: must be >= 1", {{F, 9, 0, entry}}, 1, {OUT_P}, 1, 1, 11},
+      {"in[1].entry[0] = 8: must be a number that comes in, and be there once",
+       {GOOD_F, {F, 0, 1, entry + 8}},
+       2,
+       {OUT_P},
+       1,
+       1,
+       11},
+      {"in[1].entry[1] = 14", {GOOD_F, {big, 0, 2, entry + 13}}, 2, {OUT_P}, 1, 1, 11},
+      {"n_out = -2", {GOOD_F}, 1, {OUT_P}, -2, 1, 11},
+      {"out[0].data = NULL", {GOOD_F}, 1, {{NULL, 9, 9, entry + MYOGROWTH_STRESS}}, 1, 1, 11},
+      {"out[0].step = 8: must be >= size = 9", {GOOD_F}, 1, {{P, 8, 9, entry + MYOGROWTH_STRESS}}, 1, 1, 11},
+      {"out[0].step = -8", {GOOD_F}, 1, {{big + 50, -8, 9, entry + MYOGROWTH_STRESS}}, 1, 1, 11},
+      {"out[0].entry[6] = 20: must be a number that comes out, in this measure",
+       {GOOD_F},
+       1,
+       {OUT_P},
+       1,
+       0,
+       11},
+      {"out[0].entry[36] = 59", {GOOD_F}, 1, {{big, 40, 37, entry + MYOGROWTH_TANGENT}}, 1, 2, 11},
+      {"out[0].entry[0] = 9", {GOOD_F}, 1, {{P, 1, 1, entry + MYOGROWTH_G}}, 1, 1, 11},
+      {"out[0].entry[0] = -3", {GOOD_F}, 1, {{P, 1, 1, (const int[]){-3}}}, 1, 1, 11},
+      {"out[0] overlaps in[0]", {GOOD_F}, 1, {{F, 9, 9, entry + MYOGROWTH_STRESS}}, 1, 1, 11},
+      {"out[0] overlaps in[0]", {GOOD_F}, 1, {{F + 17, 10, 9, entry + MYOGROWTH_STRESS}}, 1, 1, 11},
+      {"out[1] overlaps out[0]",
+       {GOOD_F},
+       1,
+       {{big, 40, 9, entry + 14}, {big + 48, 12, 9, entry + 14}},
+       2,
+       1,
+       11},
+      {"out[1] overlaps out[0]",
+       {GOOD_F},
+       1,
+       {{big, 40, 9, entry + 14}, {big + 40, 40, 1, entry + 14}},
+       2,
+       1,
+       11},
+      {"out[0] overlaps in[1]: only the state",
+       {GOOD_F, {big, 5, 5, entry + 9}},
+       2,
+       {{big, 5, 1, entry + 106}},
+       1,
+       1,
+       11},
+      {"measure = 4", {GOOD_F}, 1, {{rest, 1, 1, entry + MYOGROWTH_J}}, 1, 4, 11},
+      {"lambda", {GOOD_F}, 1, {OUT_P}, 1, 1, 12},
+  };
+  for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
+    double before[18];
+    fill(P, 18, -777);
+    memcpy(before, F, sizeof F);
+    CHECK(myogrowth_update_strided(2, bad[k].n_props == 12 ? second_order : oblique, bad[k].n_props,
+                                   bad[k].in, bad[k].n_in, 0.1, bad[k].measure, bad[k].out, bad[k].n_out, 0,
+                                   status, message, message_length) == 2);
+    CHECK_TEXT(message, bad[k].words);
+    CHECK(status[0] == MYOGROWTH_BAD_ARGUMENT && status[1] == MYOGROWTH_BAD_ARGUMENT);
+    CHECK(memcmp(before, F, sizeof F) == 0 && (bad[k].n_props == 12 ? isnan(P[0]) : P[0] == -777));
+  }
+  CHECK(myogrowth_update_strided(2, oblique, 11, NULL, 1, 0.1, 1, out, 1, 0, status, message,
+                                 message_length) == 2);
+  CHECK_TEXT(message, "in = NULL: n_in = 1 arrays are needed");
+  CHECK(myogrowth_update_strided(2, oblique, 11, in, 2, 0.1, 1, NULL, 1, 0, NULL, NULL, 0) == 2);
+  CHECK(myogrowth_update_strided(0, NULL, 0, NULL, 1, 0.1, 1, NULL, 1, 0, NULL, NULL, 0) == 0);
+
+  /* an array between the points of another */
+  const struct myogrowth_input apart[] = {{big, 60, 9, entry}};
+  const struct myogrowth_output between[] = {{big + 10, 9, 9, entry + MYOGROWTH_STRESS}};
+  memcpy(big, sheared, sizeof sheared);
+  memcpy(big + 60, sheared, sizeof sheared);
+  CHECK(myogrowth_update_strided(2, oblique, 11, apart, 1, 0.1, MYOGROWTH_FIRST_PIOLA, between, 1, 0, NULL,
+                                 message, message_length) == 0);
+  CHECK(memcmp(big + 10, big + 19, 9 * sizeof *big) == 0 && isfinite(big[10]));
+}
+
 int main(void) {
   test_tables();
   test_check();
@@ -546,6 +770,7 @@ int main(void) {
   test_null_outputs();
   test_refusals();
   test_many_points();
+  test_strided();
   printf(failures == 0 ? "C API: all is well\n" : "C API: %d checks failed\n", failures);
   return failures != 0;
 }

@@ -72,14 +72,25 @@ struct Points<V, N, Shared<W>> {
 template <class V, int N, class W, int components>
 struct Points<V, N, Aos<W, components>> {
   W* data;
-  Points(const Aos<W, components>& view, std::ptrdiff_t i) : data(view.data + i * components) {}
+  std::ptrdiff_t step;
+  mutable Pack<V, N> waiting[4];  // to be written together with the next ones
+  Points(const Aos<W, components>& view, std::ptrdiff_t i)
+      : data(view.data + i * view.step), step(view.step) {}
   Pack<V, N> load(int c) const {
     Pack<V, N> p;
-    for (int lane = 0; lane < N; ++lane) p.set(lane, data[lane * components + c]);
+    for (int lane = 0; lane < N; ++lane) p.set(lane, data[lane * step + c]);
     return p;
   }
+  /// Components come in their order.
   void store(int c, const Pack<V, N>& p) const {
-    for (int lane = 0; lane < N; ++lane) data[lane * components + c] = p[lane];
+    if constexpr (turns<V, N>) {
+      if (c < components / 4 * 4) {
+        waiting[c % 4] = p;
+        if (c % 4 == 3) store_side_by_side(waiting, data + c - 3, step);
+        return;
+      }
+    }
+    for (int lane = 0; lane < N; ++lane) data[lane * step + c] = p[lane];
   }
 };
 template <class V, int N>
@@ -331,6 +342,72 @@ void grow(const Common<V, Material>& common, Begun<V, width>* begun) {
   }
 }
 
+/// f(0), f(1), ... f(n - 1), the numbers as types: for compilers that would not unroll a loop.
+template <class F, int... i>
+void for_each(const F& f, std::integer_sequence<int, i...>) {
+  (f(std::integral_constant<int, i>()), ...);
+}
+template <int n, class F>
+void for_each_of(const F& f) {
+  for_each(f, std::make_integer_sequence<int, n>());
+}
+
+/// (s A^T)_ij for symmetric s[6] and A[9].
+template <class T>
+T times(const T s[6], int i, const T A[9], int j) {
+  return s[symmetric_index(i, 0)] * A[j] + s[symmetric_index(i, 1)] * A[j + 3] +
+         s[symmetric_index(i, 2)] * A[j + 6];
+}
+
+/// dP/dF or dS/dE of FibreGrowth, which measures.hpp makes from any modulus. With mu = c2 - c1 ln(J_e), and
+/// the growth's part by the product rule, its pull-back is
+///
+///   dS_IJ/dE_KL = c1 C^-1_IJ C^-1_KL + mu (C^-1_IK C^-1_JL + C^-1_IL C^-1_JK) + weight X_IJ n_K n_L
+///   dP_iJ/dF_kL = c1 F^-1_Ji F^-1_Lk + mu F^-1_Jk F^-1_Li + delta_ik (mu C^-1 + S)_JL + weight Y_iJ f_k n_L
+///
+/// where X = F^-1 dtau/dG F^-T, Y = dtau/dG F^-T, n = n0. inv: F^-1; stress: P or S.
+template <Measure measure, class P, class Array>
+void pull_back(const PointUpdate<P>& u, const P inv[9], const P stress[9], const P& mu, Array&& moduli) {
+  const P weight = u.dG_dlambda / u.lambda;
+  P n[3], per_C[6];
+  for (int I = 0; I < 3; ++I) n[I] = inv[I] * u.f[0] + inv[I + 3] * u.f[1] + inv[I + 6] * u.f[2];
+  for (int a = 0; a < 6; ++a) {
+    const int I = symmetric_row(a), J = symmetric_column(a);
+    per_C[a] = inv[I] * inv[J] + inv[I + 3] * inv[J + 3] + inv[I + 6] * inv[J + 6];
+  }
+  if constexpr (measure == Measure::second_piola) {
+    P X[6];
+    push_symmetric(inv, u.dtau_dG, X);
+    for_each_of<6>([&](auto col) {
+      constexpr int K = symmetric_row(col), L = symmetric_column(col);
+      const P w = weight * n[K] * n[L], c1 = u.c1 * per_C[col];
+      for_each_of<6>([&](auto row) {
+        constexpr int I = symmetric_row(row), J = symmetric_column(row);
+        const P IK = per_C[symmetric_index(I, K)], JL = per_C[symmetric_index(J, L)];
+        const P IL = per_C[symmetric_index(I, L)], JK = per_C[symmetric_index(J, K)];
+        moduli[row + 6 * col] = c1 * per_C[row] + mu * (IK * JL + IL * JK) + X[row] * w;
+      });
+    });
+  } else {
+    P Y[9], mixed[6];
+    for_each_of<9>([&](auto c) { Y[c] = times(u.dtau_dG, c % 3, inv, c / 3); });
+    for (int a = 0; a < 6; ++a) {
+      const int J = symmetric_row(a), L = symmetric_column(a);
+      mixed[a] = mu * per_C[a] +
+                 (inv[J] * stress[3 * L] + inv[J + 3] * stress[3 * L + 1] + inv[J + 6] * stress[3 * L + 2]);
+    }
+    for_each_of<9>([&](auto col) {
+      constexpr int k = col % 3, L = col / 3;
+      const P w = weight * u.f[k] * n[L], c1 = u.c1 * inv[L + 3 * k];
+      for_each_of<9>([&](auto row) {
+        constexpr int i = row % 3, J = row / 3;
+        const P entry = c1 * inv[J + 3 * i] + mu * inv[J + 3 * k] * inv[L + 3 * i] + Y[row] * w;
+        moduli[row + 9 * col] = i == k ? entry + mixed[symmetric_index(J, L)] : entry;
+      });
+    });
+  }
+}
+
 /// The last stage: stress and tangent. Returns a bit for every lane that has to be done by update_one.
 template <Tangent tangent, Measure measure, class Material, class V, int N, class In, class Out>
 unsigned finish(const Material& material, const Begun<V, N>& b, const In& in, const Out& out,
@@ -378,26 +455,31 @@ unsigned finish(const Material& material, const Begun<V, N>& b, const In& in, co
   }
   if constexpr (measure != Measure::cauchy) {
     const Points<V, N, std::decay_t<decltype(in.F)>> F_in(in.F, i);
-    P F[9];
+    P F[9], inv[9], cofactor[9];
     for (int c = 0; c < 9; ++c) F[c] = F_in.load(c);
-    constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
-    P host[entries(n_stress)];
+    cofactors(F, cofactor);
+    for_each_of<9>([&](auto c) { inv[c] = cofactor[c / 3 + 3 * (c % 3)] * b.per_J; });
+    P host[9];
     if constexpr (measure == Measure::first_piola) {
-      first_piola_from_kirchhoff(F, u.tau, host);
+      for_each_of<9>([&](auto c) { host[c] = times(u.tau, c % 3, inv, c / 3); });
     } else {
-      second_piola_from_kirchhoff(F, u.tau, host);
+      push_symmetric(inv, u.tau, host);
     }
-    for (int c = 0; c < n_stress; ++c) stress_out.store(c, host[c]);
+    for (int c = 0; c < (measure == Measure::first_piola ? 9 : 6); ++c) stress_out.store(c, host[c]);
     if constexpr (tangent == Tangent::full) {
-      constexpr int n_moduli = measure == Measure::first_piola ? 81 : 36;
-      P c[36], moduli[entries(n_moduli)];
-      spatial_modulus(u, c, factor);
-      if constexpr (measure == Measure::first_piola) {
-        dP_dF_from_jaumann(F, u.tau, c, moduli);
+      if constexpr (std::is_same<Material, FibreGrowth<V>>::value) {
+        pull_back<measure>(u, inv, host, u.c2 - u.c1 * b.ln_Je, writer(tangent_out));
       } else {
-        dS_dE_from_jaumann(F, u.tau, c, moduli);
+        constexpr int n_moduli = measure == Measure::first_piola ? 81 : 36;
+        P c[36], moduli[entries(n_moduli)];
+        spatial_modulus(u, c, factor);
+        if constexpr (measure == Measure::first_piola) {
+          dP_dF_from_jaumann(F, u.tau, c, moduli);
+        } else {
+          dS_dE_from_jaumann(F, u.tau, c, moduli);
+        }
+        for (int a = 0; a < n_moduli; ++a) tangent_out.store(a, moduli[a]);
       }
-      for (int a = 0; a < n_moduli; ++a) tangent_out.store(a, moduli[a]);
     }
   }
   return bits(bad);

@@ -8,6 +8,7 @@
 #ifndef MYOGROWTH_MANY_PACK_HPP
 #define MYOGROWTH_MANY_PACK_HPP
 
+#include <cstddef>
 #include <limits>
 
 #include "register.hpp"
@@ -240,6 +241,20 @@ struct Format<float> {
   static constexpr float least_exponent = -87, most_exponent = 88;
 };
 
+/// The lanes 0, 2, ... of two registers by turns; and 1, 3, ...
+template <class L>
+L evens(const L& a, const L& b) {
+  if constexpr (sizeof a == 64) return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+  if constexpr (sizeof a == 32) return __builtin_shufflevector(a, b, 0, 4, 2, 6);
+  if constexpr (sizeof a == 16) return __builtin_shufflevector(a, b, 0, 2);
+}
+template <class L>
+L odds(const L& a, const L& b) {
+  if constexpr (sizeof a == 64) return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  if constexpr (sizeof a == 32) return __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  if constexpr (sizeof a == 16) return __builtin_shufflevector(a, b, 1, 3);
+}
+
 template <class P>
 P horner(const P& x, const double* c, int n) {
   using V = Real<P>;
@@ -364,6 +379,74 @@ Pack<V, N> ln_1_plus(const Pack<V, N>& x, const Pack<V, N>& d, const Pack<V, N>&
   const P y = x - correction;
   const auto outside = !((x > P(V(-0.29))) & (x < P(V(0.41))));
   return any(outside) ? select(outside, log1p(x), y) : y;
+}
+
+/// Whether a register of such packs can be turned, from numbers that lie side by side and to them.
+template <class V, int N>
+constexpr bool turns = sizeof(V) == 8 && N == native_lanes<V>;
+/// Four numbers side by side at from + i * step to lane i of four packs of one register.
+template <class V, int N, class From>
+void load_side_by_side(Pack<V, N> (&p)[4], const From* from, std::ptrdiff_t step) {
+  static_assert(turns<V, N>, "has no such registers");
+  using L = typename Pack<V, N>::Lanes;
+  if constexpr (N == 2) {
+    for (int c = 0; c < 4; c += 2) {
+      const L a = Pack<V, N>::load(from + c).v[0], b = Pack<V, N>::load(from + c + step).v[0];
+      p[c].v[0] = __builtin_shufflevector(a, b, 0, 2);
+      p[c + 1].v[0] = __builtin_shufflevector(a, b, 1, 3);
+    }
+  } else {
+    const auto four = [&](int i) {
+      return *reinterpret_cast<const typename Register<V, 4>::InMemory*>(from + i * step);
+    };
+    const auto point = [&](int i) -> L {
+      if constexpr (N == 8) {
+        return __builtin_shufflevector(four(i), four(i + 4), 0, 1, 2, 3, 4, 5, 6, 7);
+      } else {
+        return four(i);
+      }
+    };
+    const auto two = [&](const L& ab, const L& cd, int c) {
+      if constexpr (N == 8) {
+        p[c].v[0] = __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13);
+        p[c + 2].v[0] = __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15);
+      } else {
+        p[c].v[0] = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+        p[c + 2].v[0] = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+      }
+    };
+    const L a = point(0), b = point(1), c = point(2), d = point(3);
+    two(detail::evens(a, b), detail::evens(c, d), 0);
+    two(detail::odds(a, b), detail::odds(c, d), 1);
+  }
+}
+/// And back.
+template <class V, int N>
+void store_side_by_side(const Pack<V, N> (&p)[4], V* to, std::ptrdiff_t step) {
+  static_assert(turns<V, N>, "has no such registers");
+  using L = typename Pack<V, N>::Lanes;
+  const L &a = p[0].v[0], &b = p[1].v[0], &c = p[2].v[0], &d = p[3].v[0];
+  const auto store = [&](std::ptrdiff_t at, const auto& lanes) {
+    *reinterpret_cast<typename Register<V, sizeof lanes / sizeof(V)>::InMemory*>(to + at) = lanes;
+  };
+  const auto two = [&](const L& ab, const L& cd, int i) {
+    if constexpr (N == 8) {
+      const L first = __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 2, 3, 10, 11);
+      const L last = __builtin_shufflevector(ab, cd, 4, 5, 12, 13, 6, 7, 14, 15);
+      store(i * step, __builtin_shufflevector(first, first, 0, 1, 2, 3));
+      store((i + 2) * step, __builtin_shufflevector(first, first, 4, 5, 6, 7));
+      store((i + 4) * step, __builtin_shufflevector(last, last, 0, 1, 2, 3));
+      store((i + 6) * step, __builtin_shufflevector(last, last, 4, 5, 6, 7));
+    } else if constexpr (N == 4) {
+      store(i * step, __builtin_shufflevector(ab, cd, 0, 1, 4, 5));
+      store((i + 2) * step, __builtin_shufflevector(ab, cd, 2, 3, 6, 7));
+    } else {
+      store(i * step, ab);
+      store(i * step + 2, cd);
+    }
+  };
+  two(detail::evens(a, b), detail::evens(c, d), 0);
+  two(detail::odds(a, b), detail::odds(c, d), 1);
 }
 
 /// Whether a term with this factor can be left out: packs never look. Both ways would end in the same stores,

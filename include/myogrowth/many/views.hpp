@@ -85,16 +85,17 @@ struct Soa {
   MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i, n}; }
   /// @endcond
 };
-/// One point after the other.
+/// One point after the other, its components side by side.
 template <class V, int components>
 struct Aos {
-  V* data;  ///< component 0 of point 0
+  V* data;                           ///< component 0 of point 0
+  std::ptrdiff_t step = components;  ///< how far points are apart
   /// @cond
   struct Place {
     V* data;
     MYOGROWTH_FUNCTION V* operator()(int c) const { return data + c; }
   };
-  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i * components}; }
+  MYOGROWTH_FUNCTION Place from(std::ptrdiff_t i) const { return {data + i * step}; }
   /// @endcond
 };
 /// Blocks of `block` points, a multiple of a register's lanes; in a block one component after the other. The
@@ -143,8 +144,8 @@ MYOGROWTH_FUNCTION Soa<V> soa(V* data, std::ptrdiff_t n) {
   return {data, n};
 }
 template <int components, class V>
-MYOGROWTH_FUNCTION Aos<V, components> aos(V* data) {
-  return {data};
+MYOGROWTH_FUNCTION Aos<V, components> aos(V* data, std::ptrdiff_t step = components) {
+  return {data, step};
 }
 template <int components, int block = 16, class V = double>
 MYOGROWTH_FUNCTION Aosoa<V, components, block> aosoa(V* data) {

@@ -104,7 +104,7 @@ void check_c_api(const std::vector<Row>& rows) {
   one.report("myogrowth_update");
 }
 
-// All 32 lanes of a block get the same point: none may differ.
+// All lanes of a block get the same point: none may differ.
 void check_block(const char* name, MyogrowthUpdateBlock* update, const std::vector<Row>& rows) {
   Worst worst;
   constexpr int size = myogrowth_block_points;
@@ -125,6 +125,7 @@ void check_block(const char* name, MyogrowthUpdateBlock* update, const std::vect
     b.dt = r.dt;
     b.stretch_is_checked = b.is_known = b.is_given = false;
     b.n_in = b.n_out = 0;
+    b.direct = -1;
     for (int i = 0; i < 3; ++i) b.fibre[i] = r.props[6 + i];
     update(props, size, 0, 1, &b);
     for (int k = 0; k < size; ++k) {
