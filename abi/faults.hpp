@@ -30,6 +30,8 @@ inline const char* text(UpdateStatus status) {
       "inverted: det F must be > 0",
       "no fibre: n0 must have a length > 0",
       "bad state: G must be >= 0, and G and the fibre finite",
+      "unknown status",  // 5 and 6 are myogrowth.h's
+      "unknown status",
       "not converged: the stretch that frees the stress was not found in 200 iterations"};
   const int i = static_cast<int>(status), last = static_cast<int>(UpdateStatus::not_converged);
   return 0 <= i && i <= last ? texts[i] : "unknown status";

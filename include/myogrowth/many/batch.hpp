@@ -117,13 +117,12 @@ Writer<V, N, View> writer(const Points<V, N, View>& points) {
 }
 
 template <class View>
-constexpr bool is_streamed(const View&) {
-  return false;
-}
+constexpr bool is_streamed = false;
 template <class V, int components, int block>
-constexpr bool is_streamed(const Streamed<V, components, block>&) {
-  return true;
-}
+constexpr bool is_streamed<Streamed<V, components, block>> = true;
+template <class Stress, class G, class Tangent, class Scalars>
+constexpr bool is_streamed<Output<Stress, G, Tangent, Scalars>> =
+    is_streamed<Stress> || is_streamed<G> || is_streamed<Tangent> || is_streamed<Scalars>;
 
 /// What all packs of a batch have in common. Material: FibreGrowth<V>, or one that laws.hpp has packs of.
 template <class V, class Material>
@@ -155,28 +154,38 @@ struct InPacks<FibreGrowth<V>> {
   }
 };
 
-/// Where an output goes that is written past the caches: first into a buffer, for as many points as go
-/// through the stages together, and from there line by line. For other outputs there is nothing to it.
-template <class View, int width, int registers>
+/// An output that is written past the caches: register by register where that is a cache line.
+template <class V, int N, class W, int components, int block>
+struct Points<V, N, Streamed<W, components, block>> {
+  static_assert(block % N == 0, "a block must hold whole registers: choose a smaller N, or a longer block");
+  typename Aosoa<W, components, block>::Place at;
+  Points(const Streamed<W, components, block>& view, std::ptrdiff_t i) : at(view.from(i)) {}
+  void store(int c, const Pack<V, N>& p) const { p.stream(at(c)); }
+};
+constexpr int line_bytes = 64;
+
+/// Where it goes otherwise: first into a buffer, for as many points as go through the stages together, and
+/// from there line by line. For other outputs there is nothing to it.
+template <class View, int width, int registers, class = void>
 struct Stage {
   const View& view(const View& out, std::ptrdiff_t, std::ptrdiff_t) { return out; }
   void flush() const {}
 };
 template <class W, int components, int block, int width, int registers>
-struct Stage<Streamed<W, components, block>, width, registers> {
+struct Stage<Streamed<W, components, block>, width, registers,
+             std::enable_if_t<(width * sizeof(W) < line_bytes)>> {
   static_assert(block % width == 0,
                 "a block must hold whole registers: choose a smaller N, or a longer block");
-  static constexpr int line = 64;  // bytes
   struct View {
     Aosoa<W, components, block> blocks;
     std::ptrdiff_t first;
     using Place = typename Aosoa<W, components, block>::Place;
     Place from(std::ptrdiff_t i) const { return blocks.from(i - first); }
   };
-  alignas(line) W buffer[entries(width * registers * components)];
+  alignas(line_bytes) W buffer[entries(width * registers * components)];
   W* to = nullptr;
   std::ptrdiff_t count = 0;
-  static constexpr int per_line = line / static_cast<int>(sizeof(W));
+  static constexpr int per_line = line_bytes / static_cast<int>(sizeof(W));
   View view(const Streamed<W, components, block>& out, std::ptrdiff_t i, std::ptrdiff_t n) {
     const bool blocks = i % block == 0 && n % block == 0;
     const bool lines = i * components % per_line == 0 && n * components % per_line == 0;
@@ -485,9 +494,11 @@ unsigned finish(const Material& material, const Begun<V, N>& b, const In& in, co
   return bits(bad);
 }
 
-/// How many registers go through the stages together.
-template <class V, int N>
-constexpr int registers_at_once = Pack<V, N>::parts < 8 ? 8 - 8 % Pack<V, N>::parts : Pack<V, N>::parts;
+/// How many registers go through the stages together. Fewer where the memory has to take what comes out: it
+/// then has less to take at once, and more to do meanwhile.
+template <class V, int N, class Out>
+constexpr int registers_at_once =
+    Pack<V, N>::parts >= 8 || is_streamed<Out> ? Pack<V, N>::parts : 8 - 8 % Pack<V, N>::parts;
 
 /// So many registers of points from point i on. Gives a bit of bad[register] for every lane that has to be
 /// done by update_one instead. All go through one stage before the next: a point's operations wait for each
@@ -497,14 +508,14 @@ template <Tangent tangent, Measure measure, int N, class V, class Material, clas
 MYOGROWTH_FLAT void update_registers(const Common<V, Material>& common, std::ptrdiff_t i, int registers,
                                      const In& in, const Out& out, unsigned* bad) {
   constexpr int width = Pack<V, N>::width, parts = Pack<V, N>::parts;
-  Begun<V, width> begun[registers_at_once<V, N>];
+  Begun<V, width> begun[registers_at_once<V, N, Out>];
   int begun_so_far = 0;
   do begin(in, i + begun_so_far * width, begun[begun_so_far]);
   while (++begun_so_far < registers);
   for (int k = registers; k % parts != 0; ++k) begun[k] = begun[0];  // to fill a pack
   for (int k = 0; k < registers; k += parts) grow<N>(common, begun + k);
 
-  constexpr int most = registers_at_once<V, N>;
+  constexpr int most = registers_at_once<V, N, Out>;
   const std::ptrdiff_t points = registers * width;
   Stage<std::decay_t<decltype(out.stress)>, width, most> stress;
   Stage<std::decay_t<decltype(out.G)>, width, most> G;
@@ -585,7 +596,7 @@ MYOGROWTH_NOINLINE unsigned update_padded(const Common<V, Material>& common, std
 template <Tangent tangent, Measure measure, int N, class V, class Material, class In, class Out>
 std::ptrdiff_t update_range(const Material& material, std::ptrdiff_t first, std::ptrdiff_t last, const In& in,
                             const Out& out) {
-  constexpr std::ptrdiff_t width = Pack<V, N>::width, most = registers_at_once<V, N>;
+  constexpr std::ptrdiff_t width = Pack<V, N>::width, most = registers_at_once<V, N, Out>;
   const Common<V, Material> common(material);
   std::ptrdiff_t failed = 0;
   for (std::ptrdiff_t i = first, next; i < last; i = next) {
@@ -602,6 +613,7 @@ std::ptrdiff_t update_range(const Material& material, std::ptrdiff_t first, std:
     }
     unsigned some = bad[0];
     for (int k = 1; k < registers; ++k) some |= bad[k];
+    if (is_streamed<Out> && some != 0) fence();  // what is written again comes last
     for (std::ptrdiff_t start = i; start < next && some != 0; start += width) {
       unsigned lanes = bad[(start - i) / width];
       for (std::ptrdiff_t point = start; lanes != 0; ++point, lanes >>= 1) {
@@ -609,7 +621,7 @@ std::ptrdiff_t update_range(const Material& material, std::ptrdiff_t first, std:
       }
     }
   }
-  if (is_streamed(out.stress) || is_streamed(out.G) || is_streamed(out.tangent)) fence();
+  if (is_streamed<Out>) fence();
   return failed;
 }
 
