@@ -168,7 +168,7 @@ extern "C" void MYOGROWTH_UPDATE_BLOCK(const double* props, int n, int measure, 
   double known[abi::n_props];
   for (int i = 0; i < abi::n_props; ++i) known[i] = props[i];
   abi::Properties properties;
-  abi::read(known, properties);
+  abi::take(known, properties);
   MyogrowthBlock& b = *block;
   for (int i = 0; i < b.n_in; ++i) turn(b.in[i], b.first, n, b.number);
   const int whole = (n + lanes - 1) / lanes * lanes;

@@ -2,11 +2,10 @@
 // tables are in c_tables.cpp.
 #include "myogrowth.h"
 
-#include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <myogrowth/more/stress_states.hpp>
+#include <type_traits>
 
 #include "many.hpp"
 
@@ -165,12 +164,13 @@ struct Points {
 
   Points(const Call& call_, const Arrays& arrays, abi::Text& text, const OneAfterTheOther* whole = nullptr)
       : call(call_), a(arrays), first_fault(text), whole_state(whole) {
-    bool is_there[MYOGROWTH_UNUSED + 1] = {};
+    unsigned is_there = 0;  // a bit for each; MYOGROWTH_UNUSED is none of them
     for (int i = 0; i < a.n_in; ++i) {
-      for (int c = 0; c < a.in[i].size; ++c) is_there[a.in[i].entry[c]] = true;
+      for (int c = 0; c < a.in[i].size; ++c)
+        is_there |= a.in[i].entry[c] < n_entries_in ? 1u << a.in[i].entry[c] : 0;
     }
-    for (int e = 0; e < n_entries_in; ++e) {
-      if (!is_there[e]) missing[n_missing++] = e;
+    for (int e = 0; e < n_entries_in && is_there != (1u << n_entries_in) - 1; ++e) {
+      if ((is_there >> e & 1) == 0) missing[n_missing++] = e;
     }
   }
 
@@ -181,8 +181,9 @@ struct Points {
     const int n_stress = myogrowth_stress_size(call.measure);
     for (int o = 0; o < a.n_out; ++o) {
       int c = 0;
+      if (a.out[o].size != n_stress * n_stress) continue;
       while (c < a.out[o].size && a.out[o].entry[c] == MYOGROWTH_TANGENT + c) ++c;
-      if (c == n_stress * n_stress && c == a.out[o].size) b.direct = o;
+      if (c == a.out[o].size) b.direct = o;
     }
   }
   void load(int, int, MyogrowthBlock& b) const {

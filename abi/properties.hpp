@@ -219,12 +219,8 @@ inline bool read_plain(const double (&p)[n_props_plain], Properties& out) {
   return all_allowed(p, std::make_integer_sequence<int, n_props_plain>());
 }
 
-/// Reads PROPS, all of it. Returns the index of the first entry that is not allowed, or -1 if all are.
-inline int read(const double (&p)[n_props], Properties& out) {
-  if (!all_allowed(p, std::make_integer_sequence<int, n_props>())) {
-    const int bad = find_bad_entry(p);
-    if (bad >= 0) return bad;  // else the sum only is not finite
-  }
+/// Takes all of PROPS, found to be allowed.
+inline void take(const double (&p)[n_props], Properties& out) {
   take_plain(p, out);
   out.local_basis = p[9] != 0;
   out.material.integration = p[11] != 0 ? TimeIntegration::midpoint_flow : TimeIntegration::backward_euler;
@@ -232,6 +228,15 @@ inline int read(const double (&p)[n_props], Properties& out) {
   out.hybrid = p[hybrid_entry] != 0;
   if (p[tau_rev_entry] > 0) out.material.removal = RemovalRate<double>{p[13], p[14], p[15], p[16]};
   out.material.energy = p[energy_entry] != 0 ? EnergyPer::grown_volume : EnergyPer::reference_volume;
+}
+
+/// Reads PROPS, all of it. Returns the index of the first entry that is not allowed, or -1 if all are.
+inline int read(const double (&p)[n_props], Properties& out) {
+  if (!all_allowed(p, std::make_integer_sequence<int, n_props>())) {
+    const int bad = find_bad_entry(p);
+    if (bad >= 0) return bad;  // else the sum only is not finite
+  }
+  take(p, out);
   return -1;
 }
 
