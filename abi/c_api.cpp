@@ -282,8 +282,8 @@ bool find_array_fault(const char* name, const Array* arrays, int n, int n_points
       return abi::tell(text, "%s[%d].%s = NULL: it is needed.", name, i, a.data ? "entry" : "data");
     if (a.size < 1) return abi::tell(text, "%s[%d].size = %d: must be >= 1.", name, i, a.size);
     if (is_output && n_points > 1 && a.step < a.size && -a.step < a.size) {
-      return abi::tell(text, "out[%d].step = %td: must be >= size = %d, or <= -size: points would overlap.",
-                       i, a.step, a.size);
+      return abi::tell(text, "out[%d].step = %.0f: must be >= size = %d, or <= -size: points would overlap.",
+                       i, static_cast<double>(a.step), a.size);
     }
     for (int c = 0; c < a.size; ++c) {
       if (!is_allowed(a.entry[c])) {
