@@ -374,15 +374,16 @@ T times(const T s[6], int i, const T A[9], int j) {
 ///   dS_IJ/dE_KL = c1 C^-1_IJ C^-1_KL + mu (C^-1_IK C^-1_JL + C^-1_IL C^-1_JK) + weight X_IJ n_K n_L
 ///   dP_iJ/dF_kL = c1 F^-1_Ji F^-1_Lk + mu F^-1_Jk F^-1_Li + delta_ik (mu C^-1 + S)_JL + weight Y_iJ f_k n_L
 ///
-/// where X = F^-1 dtau/dG F^-T, Y = dtau/dG F^-T, n = n0. inv: F^-1; stress: P or S.
+/// where X = F^-1 dtau/dG F^-T, Y = dtau/dG F^-T, n = n0. inv: F^-1; stress: P or S. (A in the place of I,
+/// which is a macro of C's.)
 template <Measure measure, class P, class Array>
 void pull_back(const PointUpdate<P>& u, const P inv[9], const P stress[9], const P& mu, Array&& moduli) {
   const P weight = u.dG_dlambda / u.lambda;
   P n[3], per_C[6];
-  for (int I = 0; I < 3; ++I) n[I] = inv[I] * u.f[0] + inv[I + 3] * u.f[1] + inv[I + 6] * u.f[2];
+  for (int A = 0; A < 3; ++A) n[A] = inv[A] * u.f[0] + inv[A + 3] * u.f[1] + inv[A + 6] * u.f[2];
   for (int a = 0; a < 6; ++a) {
-    const int I = symmetric_row(a), J = symmetric_column(a);
-    per_C[a] = inv[I] * inv[J] + inv[I + 3] * inv[J + 3] + inv[I + 6] * inv[J + 6];
+    const int A = symmetric_row(a), J = symmetric_column(a);
+    per_C[a] = inv[A] * inv[J] + inv[A + 3] * inv[J + 3] + inv[A + 6] * inv[J + 6];
   }
   if constexpr (measure == Measure::second_piola) {
     P X[6];
@@ -391,10 +392,10 @@ void pull_back(const PointUpdate<P>& u, const P inv[9], const P stress[9], const
       constexpr int K = symmetric_row(col), L = symmetric_column(col);
       const P w = weight * n[K] * n[L], c1 = u.c1 * per_C[col];
       for_each_of<6>([&](auto row) {
-        constexpr int I = symmetric_row(row), J = symmetric_column(row);
-        const P IK = per_C[symmetric_index(I, K)], JL = per_C[symmetric_index(J, L)];
-        const P IL = per_C[symmetric_index(I, L)], JK = per_C[symmetric_index(J, K)];
-        moduli[row + 6 * col] = c1 * per_C[row] + mu * (IK * JL + IL * JK) + X[row] * w;
+        constexpr int A = symmetric_row(row), J = symmetric_column(row);
+        const P AK = per_C[symmetric_index(A, K)], JL = per_C[symmetric_index(J, L)];
+        const P AL = per_C[symmetric_index(A, L)], JK = per_C[symmetric_index(J, K)];
+        moduli[row + 6 * col] = c1 * per_C[row] + mu * (AK * JL + AL * JK) + X[row] * w;
       });
     });
   } else {

@@ -241,13 +241,14 @@ struct Format<float> {
   static constexpr float least_exponent = -87, most_exponent = 88;
 };
 
-/// The lanes 0, 2, ... of two registers by turns; and 1, 3, ...
+/// The lanes 0, 2, ... of two registers by turns.
 template <class L>
 L evens(const L& a, const L& b) {
   if constexpr (sizeof a == 64) return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
   if constexpr (sizeof a == 32) return __builtin_shufflevector(a, b, 0, 4, 2, 6);
   if constexpr (sizeof a == 16) return __builtin_shufflevector(a, b, 0, 2);
 }
+/// The lanes 1, 3, ... of two registers by turns.
 template <class L>
 L odds(const L& a, const L& b) {
   if constexpr (sizeof a == 64) return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
