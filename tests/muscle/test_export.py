@@ -210,7 +210,9 @@ class Text(Case):
                              ("Attachments/List=FAR fixed", "no surface FAR"), ("Fibre/Kind=oblique", "flow"),
                              ("Fibre/List=HIP mesh", "no section or set HIP; there are MUSCLE"), ("Fibre/List=MUSCLE flow PROXIMAL", "flow FROM TO"),
                              ("Fibre/From=PROXIMAL, SIDE", "no surface SIDE"), ("Attachments/List=DISTAL away 1 at 0:0 1:1 1:0", "jumps"),
-                             ("Materials/List=OTHER muscle", "section MUSCLE"), ("Time/Steps=some", "adaptive")):
+                             ("Materials/List=OTHER muscle", "section MUSCLE"), ("Time/Steps=some", "adaptive"),
+                             ("Muscle/Law=1", "must be 0"), ("Muscle/Activation=0.5", "must be 0"), ("Roehrle/c10=5", "left out"),
+                             ("Materials/List=MUSCLE muscle law=1", "expected parameters as NAME=VALUE")):
             with self.assertRaises(files.FileError) as caught:
                 self.write("abaqus", self.mesh(Bar()), entry)
             self.assertIn(words, str(caught.exception))
