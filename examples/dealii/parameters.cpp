@@ -52,6 +52,16 @@ std::string elastic_laws() {
   return text;
 }
 
+/// Whether a law has an active force: not law 0, and not tendon by law 2.
+bool may_be_active(const abi::LawChoice& law) {
+  return law.law != abi::Law::neo_hookean && !(law.law == abi::Law::blemker && abi::blemker_of(law.p).tendon);
+}
+
+bool is_active(const TimeTable& activation) {
+  const auto& rows = activation.rows();
+  return std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.second != 0; });
+}
+
 /// An activation: a number from 0 to 1, at once at time 0, or a table TIME:ACTIVATION, parted by blanks or
 /// commas. `fail` throws with the reason.
 TimeTable read_activation(const std::string& text, const std::function<void(const std::string&)>& fail) {
@@ -560,6 +570,10 @@ std::vector<Parameters::Material> read_materials(const std::string& text, const 
     abi::Text fault;
     if (has_constants && abi::find_parameter_fault(constants, table->size, 0, material.elastic, fault))
       fail(fault);
+    const bool says_activation = std::any_of(given.begin(), given.end(),
+                                             [](const auto& entry) { return entry.first == "activation"; });
+    if (says_activation && is_active(material.activation) && !may_be_active(material.elastic))
+      fail("activation must be 0 with tendon = 1, which is never active");
     for (const auto& other : materials) {
       if (other.section == material.section) fail("there is a material for " + material.section + " already");
     }
@@ -649,13 +663,11 @@ void find_unread(const Entries& entries, Parameters& p) {
       if (!has_law(law)) note(entry, law);
     }
   }
-  const auto& rows = p.muscle.activation.rows();
-  const bool is_active =
-      std::any_of(rows.begin(), rows.end(), [](const auto& row) { return row.second != 0; });
-  const bool may_be = std::any_of(all.begin(), all.end(), [](const Parameters::Material& m) {
-    return m.grows && m.elastic.law != abi::Law::neo_hookean;
+  const bool reads = std::any_of(all.begin(), all.end(), [](const Parameters::Material& m) {
+    return m.grows && may_be_active(m.elastic);
   });
-  entries.check(!is_active || may_be, "Muscle/Activation", "0 with elastic law 0, which has no active force");
+  entries.check(reads || !is_active(p.muscle.activation), "Muscle/Activation",
+                "0: no muscle has an elastic law with an active force");
 }
 
 /// What one entry's range cannot say.

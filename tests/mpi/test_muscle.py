@@ -449,6 +449,7 @@ class Laws(MeshCase):
                                   ("muscle law=1 kappa=0", "kappa = 0: resistance to volume change, must be finite and > 0"),
                                   ("muscle activation=0.5", "or law as NAME=VALUE, found 'activation=0.5'"),
                                   ("muscle law=2 activation=2", "activation: activation, must be >= 0 and <= 1; 2 is not"),
+                                  ("muscle law=2 tendon=1 activation=0.1", "activation must be 0 with tendon = 1, which is never active"),
                                   ("tendon law=2 activation=0.1", "expected law or a constant of elastic law 2 .*found 'activation=0.1'")):
             with self.subTest(material):
                 text = self.run_muscle(1, "a", {**mesh, **FIXED_STEPS, "Materials/List": f"MUSCLE {material}"}, status=1)
