@@ -173,15 +173,15 @@ enum myogrowth_entry {
 
 /// An array of points to read: number c of point k, at data[k * step + c], is entry[c].
 struct myogrowth_input {
-  const double* data;
-  ptrdiff_t step;    ///< from a point to the next, in numbers; 0: all have the same
-  int size;          ///< numbers of a point that lie side by side
-  const int* entry;  ///< what they are: size values of myogrowth_entry
+  const double* data;  ///< number 0 of point 0
+  ptrdiff_t step;      ///< from a point to the next, in numbers; 0: all have the same
+  int size;            ///< numbers of a point that lie side by side
+  const int* entry;    ///< what they are: size values of myogrowth_entry
 };
 
 /// An array of points to write, likewise. |step| is at least size.
 struct myogrowth_output {
-  double* data;
+  double* data;      ///< number 0 of point 0
   ptrdiff_t step;    ///< from a point to the next, in numbers
   int size;          ///< numbers of a point that lie side by side
   const int* entry;  ///< what they are: size values of myogrowth_entry; one may be there several times
