@@ -97,6 +97,8 @@ CLAIMS = {
         Claim("CalculiX and deal.II agree on the same cylinder", r"mpi\.CalculiX", optional=True),
         Claim("on deal.II with MPI, 1, 2 and 3 ranks agree, also after a restart; Newton is quadratic; a homogeneous brick agrees with "
               "the library's point; nearly incompressible muscle does not lock", r"mpi\.(Ranks|Restart|Newton|Homogeneous|Locking)", optional=True),
+        Claim("on deal.II, a cube with each elastic law, active and growing, agrees with the UMAT in the driver, and a free contraction with "
+              "4C's value; Newton is quadratic", r"(mpi|muscle\.solver)\.Laws", optional=True),
         Claim("a real muscle's solver: bricks of tetrahedra, hexahedra and wedges agree with the library's point; fibres converge; it does "
               "not lock; 1, 2 and 3 ranks agree", r"muscle\.solver\.(Elements|Fibres|Locking|Ranks)", optional=True),
         Claim("in FEniCSx, cube and cylinder agree with the one-element driver and with CalculiX; Newton is quadratic; two processes agree",
