@@ -437,8 +437,13 @@ MYOGROWTH_FUNCTION SolvedStep<T> few_steps(const Branch<V, sign>& b, const LaneM
 template <class T, class V, int sign>
 MYOGROWTH_FUNCTION SolvedStep<T> backward_euler(const Branch<V, sign>& b, const LaneMask<T>& moves,
                                                 const T& G_n, const T& lambda, const T& dt) {
-  const SolvedStep<T> step = few_steps(b, moves, G_n, lambda, dt);
-  return any(step.left) ? solve_further(b, moves, G_n, lambda, dt, step) : step;
+  SolvedStep<T> step = few_steps(b, moves, G_n, lambda, dt);
+  if (any(step.left)) {
+    // The call returns in memory. Its result is copied, so that `step` itself stays in registers.
+    const SolvedStep<T> further = solve_further(b, moves, G_n, lambda, dt, step);
+    step = further;
+  }
+  return step;
 }
 
 /// The step of a number, or of one that carries derivatives.
