@@ -114,7 +114,7 @@ class Deck:
                     yield card
                 card, head = self.card(head, start), ""
                 name = card.parameters.get("INPUT")
-                if name and card.keyword in ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE"):
+                if name and card.keyword in ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "DISTRIBUTION"):
                     for row, text, _ in self.lines(self.beside(name, path, place)):
                         if text.startswith("*"):
                             self.fail(row, f"expected the data of *{card.keyword}, found a card: use *INCLUDE")
@@ -371,7 +371,7 @@ class Deck:
                 self.fail(row, f"axis {turn[0]} of a rotation: expected 1, 2 or 3")
         row, text = card.data[0]
         given = self.fields(text)
-        if len(given) == 1 and not re.fullmatch(r"[-+.\d].*", given[0]):
+        if len(given) == 1:
             values = self.distributed(scope, given[0].upper(), row, cells)
         else:
             values = dict.fromkeys(cells, (row, self.points_of_axes(row, given)))
@@ -393,11 +393,13 @@ class Deck:
         where = card.parameters.get("LOCATION", "").upper()
         if where != "ELEMENT":
             self.fail(card.place, f"*DISTRIBUTION, NAME={name}, LOCATION={where or 'nothing'}: only ELEMENT is read")
-        wanted, found, default = set(cells), {}, None
+        wanted, found, default = set(cells), {}, None  # of two rows for an element the last one holds, as in Abaqus
         for row, text in card.data:
             who, *given = self.fields(text)
             value = (row, self.points_of_axes(row, given))
             if not who:
+                if default:
+                    self.fail(row, f"*DISTRIBUTION, NAME={name}: has a default already, {self.where(default[0])}")
                 default = value
             elif who.isascii() and who.isdigit():
                 found[self.one("ELSET", scope, int(who), row, f"distribution {name}")] = value
@@ -573,8 +575,9 @@ class Deck:
                     if c in of and of[c] != section:
                         self.fail(place, f"element {self.raw.cells[c].label} has a section already, {of[c]}")
                     of[c] = section
-                if self.fibre and orientation:
-                    fibres.update(self.oriented(scope, orientation, place, cells))
+                for c, fibre in (self.oriented(scope, orientation, place, cells) if self.fibre and orientation else {}).items():
+                    if not np.array_equal(fibres.setdefault(c, fibre), fibre):
+                        self.fail(place, f"element {self.raw.cells[c].label} has another ORIENTATION already, of another *SOLID SECTION")
         every = range(len(self.raw.cells))
         for table, what in ((of, "a *SOLID SECTION"), *([(fibres, "an ORIENTATION, which --fibre needs")] if self.fibre else [])):
             without = [self.raw.cells[c].label for c in every if c not in table]

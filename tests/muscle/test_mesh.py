@@ -166,6 +166,11 @@ class Decks(Case):
         text = Bar().deck(more=self.SOLID + table)
         mesh = self.read(text, fibre="1")
         self.assertEqual(mesh.fibres.argmax(axis=1).tolist(), [0, 0, 2, 2, 2, 2, 1, *[2] * 17])
+        for other in (text.replace("7, 0., 1., 0.", "7, 1., 0., 0., 0., 1., 0.\n7, 0., 1., 0."), text.replace("ROWS", "1-A").replace("rows", "1-a")):
+            self.assertEqual(self.read(other, fibre="1").fibres.tolist(), mesh.fibres.tolist())  # a row twice; a name with a digit
+        head, rows = text.split("TABLE=T\n")
+        (self.folder / "rows.inp").write_text(rows)
+        self.assertEqual(self.read(head + "TABLE=T, INPUT=rows.inp\n", fibre="1").fibres.tolist(), mesh.fibres.tolist())
         told = " ".join(self.read(text).notes)  # not asked for
         self.assertIn("--fibre 1", told)
         self.assertIn("*DISTRIBUTION", told)
@@ -174,7 +179,10 @@ class Decks(Case):
                                  ("=ELEMENT, T", "=NODE, T", "only ELEMENT"), ("NAME=F, SYSTEM=RECTANGULAR", "NAME=F, SYSTEM=CYLINDRICAL", "CYLINDRICAL"),
                                  ("NAME=F, ", "NAME=G, ", "no *ORIENTATION, NAME=F"), ("7, 0., 1.", "7, 2., 0.", "one line"),
                                  ("7, 0., 1., 0.,", "7, 0., 1.,", "5 numbers"), ("3, 0.\n", "4, 0.\n", "axis 4"),
-                                 (", ORIENTATION=F", "", "elements without an ORIENTATION", "1, 2"), (self.SOLID, "", "no *SOLID SECTION")):
+                                 (", ORIENTATION=F", "", "elements without an ORIENTATION", "1, 2"), (self.SOLID, "", "no *SOLID SECTION"),
+                                 ("few, ", ", 1., 0., 0., 0., 1., 0.\nfew, ", "a default already"), ("\nrows\n", "\n1.\n", "no *DISTRIBUTION, NAME=1."),
+                                 (self.SOLID, self.SOLID + self.SOLID.replace("=F", "=G") + "*ORIENTATION, NAME=G\n0., 1., 0., 1., 0., 0.\n",
+                                  "element 1 has another ORIENTATION")):
             self.assertIn(old, text)
             self.refused(text.replace(old, new), *words, fibre="1")
         self.refused(text, "expected 1, 2 or 3", fibre="f0")
