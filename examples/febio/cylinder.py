@@ -10,6 +10,7 @@ import argparse
 import io
 import pathlib
 import sys
+from xml.sax.saxutils import escape
 
 import numpy as np
 
@@ -49,6 +50,7 @@ STEP = """    <step id="{number}">
 
 def model(name, mesh, times, material, solver):
     """The text of a .feb file."""
+    name, solver = (escape(text, {'"': "&quot;"}) for text in (name, solver))
     f = io.StringIO()
     f.write('<?xml version="1.0" encoding="ISO-8859-1"?>\n<febio_spec version="4.0">\n  <Module type="solid"/>\n'
             f"  <Material>\n    {material}\n  </Material>\n  <Mesh>\n    <Nodes name=\"all\">\n")
@@ -101,23 +103,31 @@ def model(name, mesh, times, material, solver):
     return f.getvalue()
 
 
-def tables(path, count, columns):
-    """(time, (count, columns)) of every state in a file of FEBio's log data; the first column is the item's number."""
-    result, time, rows = [], None, []
-    for number, line in enumerate([*files.read_text(path).splitlines(), "*Step"], 1):
+def tables(path, items, columns):
+    """(time, (items, columns)) of every state in a file of FEBio's log data, whose first column has the items' numbers."""
+    result, time, rows = [], None, {}
+    text = files.read_text(path)
+    if not text.endswith("\n"):
+        raise files.FileError(f"{path}: ends in the middle of a line")
+    for number, line in enumerate([*text.splitlines(), "*Step"], 1):
         if line.startswith("*Step"):
-            if rows and len(rows) != count:
-                raise files.FileError(f"{path}:{number}: {len(rows)} rows in a state, expected {count}")
+            if rows and rows.keys() != set(items):
+                raise files.FileError(f"{path}:{number}: {len(rows)} rows in a state, expected {len(items)}, of items {min(items)} to {max(items)}")
+            if rows and time is None:
+                raise files.FileError(f"{path}:{number}: a state without *Time")
             if rows:
-                result.append((time, np.array(rows)))
-            rows = []
+                result.append((time, np.array([rows[i] for i in items])))
+            time, rows = None, {}
         elif line.startswith("*Time"):
             time = files.finite(path, number, "time", line.split("=")[-1])
         elif line and not line.startswith("*"):
             entries = line.split(",")
             if len(entries) != columns + 1:
                 raise files.FileError(f"{path}:{number}: {len(entries)} entries, expected {columns + 1}")
-            rows.append([files.finite(path, number, "value", x) for x in entries[1:]])
+            item, *values = (files.finite(path, number, "value", x) for x in entries)
+            if item in rows:
+                raise files.FileError(f"{path}:{number}: item {item:g} has a row in this state already")
+            rows[item] = values
     if not result:
         raise files.FileError(f"{path}: has no state")
     return result
@@ -128,10 +138,10 @@ def read(a, mesh):
     stem = a.model.with_suffix("")
     gauss = history.GaussPoints(mesh, np.zeros(len(mesh.layer_of_elements()), dtype=bool))
     weights = np.bincount(gauss.elements - 1, gauss.volumes)  # the elements' volumes
-    states = tables(f"{stem}_state.csv", len(weights), 2)
-    reactions = tables(f"{stem}_reactions.csv", len(mesh.distal), 1)
-    if len(states) != len(reactions):
-        raise files.FileError(f"{stem}_reactions.csv: {len(reactions)} states, but {len(states)} in {stem}_state.csv")
+    states = tables(f"{stem}_state.csv", range(1, len(weights) + 1), 2)
+    reactions = tables(f"{stem}_reactions.csv", (mesh.distal + 1).tolist(), 1)
+    if [time for time, _ in states] != [time for time, _ in reactions]:
+        raise files.FileError(f"{stem}_reactions.csv: its {len(reactions)} states are not at the times of the {len(states)} in {stem}_state.csv")
     columns = ["time", "reaction", "lambda_e_mean", "G_mean"]
     ours = np.array([[time, forces.sum(), *(weights @ state / weights.sum())[::-1]]
                      for (time, state), (_, forces) in zip(states, reactions) if time > 0])

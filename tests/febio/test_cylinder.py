@@ -14,6 +14,10 @@ import numpy as np
 SOURCE = pathlib.Path(sys.argv[1]).resolve()
 SCRIPT = SOURCE / "examples/febio/cylinder.py"
 REFERENCE = SOURCE / "tests/mpi/calculix_coarse.csv"
+sys.path.insert(0, str(SOURCE / "examples/calculix"))
+import cylinder_mesh  # noqa: E402
+
+DISTAL = (cylinder_mesh.mesh("coarse").distal + 1).tolist()
 
 
 class Cylinder(unittest.TestCase):
@@ -27,9 +31,12 @@ class Cylinder(unittest.TestCase):
         return subprocess.run([sys.executable, SCRIPT, self.model, *map(str, arguments)], capture_output=True, text=True, timeout=60)
 
     def test_model(self):
-        done = self.run_script("--kinematic")
+        self.model = self.folder / "a & b.feb"
+        done = self.run_script("--kinematic", "--solver", "\"<&>")
         self.assertEqual(done.returncode, 0, done.stderr)
         feb = ET.parse(self.model).getroot()
+        self.assertEqual(feb.find("Output/logfile/element_data").get("file"), "a & b_state.csv")
+        self.assertEqual({s.get("type") for s in feb.iter("linear_solver")}, {"\"<&>"})
         points = np.array([[float(x) for x in n.text.split(",")] for n in feb.find("Mesh/Nodes")])
         for kind, count, corners in (("hex8", 1296, (1, 3, 4)), ("penta6", 864, (1, 2, 3))):
             cells = np.array([[int(i) for i in e.text.split(",")] for e in feb.find(f"Mesh/Elements[@type='{kind}']")]) - 1
@@ -44,12 +51,12 @@ class Cylinder(unittest.TestCase):
 
     def write_results(self, elements=2160, scale=1.0):
         reference = np.genfromtxt(REFERENCE, delimiter=",", names=True)
-        for what, count, columns in (("state", elements, ("G_mean", "lambda_e_mean")), ("reactions", 61, ("reaction",))):
+        for what, items, columns in (("state", range(1, elements + 1), ("G_mean", "lambda_e_mean")), ("reactions", DISTAL, ("reaction",))):
             text = []
             for n, row in enumerate(reference, 1):
                 text.append(f"*Step  = {n}\n*Time  = {row['time']:.9g}\n*Data  = {what}\n")
-                values = [row[c] * scale / (count if c == "reaction" else 1) for c in columns]
-                text += [f"{i}," + ",".join(f"{x:.12g}" for x in values) + "\n" for i in range(1, count + 1)]
+                values = [row[c] * scale / (len(items) if c == "reaction" else 1) for c in columns]
+                text += [f"{i}," + ",".join(f"{x:.12g}" for x in values) + "\n" for i in items]
             (self.folder / f"muscle_{what}.csv").write_text("".join(text))
 
     def test_results(self):
@@ -65,6 +72,17 @@ class Cylinder(unittest.TestCase):
         self.write_results(elements=2159)
         done = self.run_script("--read")
         self.assertIn("muscle_state.csv:2163: 2159 rows in a state, expected 2160", done.stderr)
+        for file, old, new, message in (("state", "\n5,", "\n4,", "muscle_state.csv:8: item 4 has a row in this state already"),
+                                        ("state", "\n5,", "\n9999,", "2160 rows in a state, expected 2160, of items 1 to 2160"),
+                                        ("reactions", "*Time", "*Tim", "muscle_reactions.csv:65: a state without *Time"),
+                                        ("reactions", "*Time  = 0.", "*Time  = 0.9", "its 13 states are not at the times of the 13 in"),
+                                        ("state", "", None, "muscle_state.csv: ends in the middle of a line")):
+            self.write_results()
+            path = self.folder / f"muscle_{file}.csv"
+            text = path.read_text()
+            self.assertIn(old, text)
+            path.write_text(text[:-3] if new is None else text.replace(old, new, 1))
+            self.assertIn(message, self.run_script("--read").stderr)
         self.write_results()
         times = self.folder / "times.csv"
         header, *rows = REFERENCE.read_text().splitlines()
