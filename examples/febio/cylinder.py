@@ -112,7 +112,8 @@ def tables(path, items, columns):
     for number, line in enumerate([*text.splitlines(), "*Step"], 1):
         if line.startswith("*Step"):
             if rows and rows.keys() != set(items):
-                raise files.FileError(f"{path}:{number}: {len(rows)} rows in a state, expected {len(items)}, of items {min(items)} to {max(items)}")
+                raise files.FileError(f"{path}:{number}: {len(rows)} rows in a state, expected {len(items)}, of items {min(items)} to "
+                                      f"{max(items)}")
             if rows and time is None:
                 raise files.FileError(f"{path}:{number}: a state without *Time")
             if rows:
@@ -141,7 +142,8 @@ def read(a, mesh):
     states = tables(f"{stem}_state.csv", range(1, len(weights) + 1), 2)
     reactions = tables(f"{stem}_reactions.csv", (mesh.distal + 1).tolist(), 1)
     if [time for time, _ in states] != [time for time, _ in reactions]:
-        raise files.FileError(f"{stem}_reactions.csv: its {len(reactions)} states are not at the times of the {len(states)} in {stem}_state.csv")
+        raise files.FileError(f"{stem}_reactions.csv: its {len(reactions)} states are not at the times of the {len(states)} in "
+                              f"{stem}_state.csv")
     columns = ["time", "reaction", "lambda_e_mean", "G_mean"]
     ours = np.array([[time, forces.sum(), *(weights @ state / weights.sum())[::-1]]
                      for (time, state), (_, forces) in zip(states, reactions) if time > 0])
