@@ -51,7 +51,10 @@ std::string rows_to_keep(const std::string& path, const std::string& columns, bo
   while (rows.next()) {
     try {
       double time = rows.number(0, "the time");
-      for (std::size_t i = named ? 2 : 1; i < n; ++i) rows.number(i, "column " + std::to_string(i + 1));
+      for (std::size_t i = named ? 2 : 1; i < n; ++i) {
+        const std::string column = "column " + std::to_string(i + 1);
+        if (rows.text(i, column) != "nan") rows.number(i, column);
+      }
       rows.ends_after(n);
       if (keep(time)) kept += rows.text_from(0, columns) + "\n";
     } catch (const Error& e) {
@@ -80,7 +83,8 @@ void Muscle::say(const std::string& line) const {
 }
 
 /// A row of CalculiX's example, whose columns these are: extremes over the points of the muscle, means over
-/// its volume before the deformation, the axial reaction, and where lambda_e is largest.
+/// its volume before the deformation, the axial reaction, and where lambda_e is largest; nan where all is
+/// tendon.
 void Muscle::write_history() const {
   const double least = std::numeric_limits<double>::lowest();
   std::array<double, 4> largest = {{least, least, least, least}};  // lambda_e, -lambda_e, G, -G
@@ -114,7 +118,8 @@ void Muscle::write_history() const {
                           -largest[1], largest[2], sums[2] / sums[0], -largest[3],
                           place[2],    place[1],   place[0]};
   std::string text;
-  for (int i = 0; i < 11; ++i) text += (i ? "," : "") + number("%.13g", row[i]);
+  for (int i = 0; i < 11; ++i)
+    text += (i ? "," : "") + (i > 1 && sums[0] == 0 ? "nan" : number("%.13g", row[i]));
   on_first(comm_, [&] { append(parameters_.folder + "/history.csv", text + "\n"); });
 }
 

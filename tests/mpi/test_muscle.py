@@ -442,6 +442,18 @@ class Laws(MeshCase):
         self.run_muscle(1, "passive", {**entries, "Materials/List": entries["Materials/List"].replace("0:0.05,1:0.2", "0")})
         self.assertLess(self.columns("passive")["reaction"][-1], 0.8 * self.columns("on_1")["reaction"][-1])
 
+    def test_of_a_tendon_only(self):
+        mesh = write_box(self.folder / "box", "hex8", (1, 1, 2))
+        entries = {**mesh, **FIXED_STEPS, **SHARP, "Fibre/Kind": "uniform", "Materials/List": "MUSCLE tendon law=2 tendon=1"}
+        self.run_muscle(1, "a", {**entries, "Output/Checkpoint every": 1})
+        self.run_muscle(2, "a", {**entries, "Output/Resume": "true", "Time/End": 2})
+        rows = self.table("a", "history.csv")
+        self.assertEqual([float(r["time"]) for r in rows], [0.5, 1, 1.5, 2])
+        for row in rows:
+            self.assertGreater(float(row.pop("reaction")), 1)
+            del row["time"]
+            self.assertTrue(all(math.isnan(float(x)) for x in row.values()), row)  # numbers of the muscle, which is not there
+
     def test_of_sections_are_checked(self):
         mesh = write_box(self.folder / "box", "hex8", (1, 1, 1))
         for material, message in (("muscle law=4", r"law = 4: elastic law, must be 0 \(neo-Hookean\), 1"), ("muscle law=1 c1=4", "expected a parameter of section "
