@@ -79,9 +79,11 @@ inline bool props_are_faulty_with_laws(const Numbers& p) {
   return law_is_faulty(p, NAN) || p[17] != 0;
 }
 
-/// A shear in the 1-3 plane and none in the 1-2 plane, F column by column: with NTENS = 4 not Abaqus's order.
+/// A shear in the 1-3 plane beyond rounding, and none in the 1-2 plane, F column by column: with NTENS = 4
+/// not Abaqus's order.
 inline bool is_in_elmers_order(int ntens, const double* F) {
-  return ntens == 4 && F[1] == 0 && F[3] == 0 && !(F[2] == 0 && F[6] == 0);
+  const double rounding = 1e-12 * std::abs(F[0]);
+  return ntens == 4 && F[1] == 0 && F[3] == 0 && (std::abs(F[2]) > rounding || std::abs(F[6]) > rounding);
 }
 
 /// Whether a state of n entries has room for what a step begins with.
