@@ -164,13 +164,14 @@ struct Points {
 
   Points(const Call& call_, const Arrays& arrays, abi::Text& text, const OneAfterTheOther* whole = nullptr)
       : call(call_), a(arrays), first_fault(text), whole_state(whole) {
-    unsigned is_there = 0;  // a bit for each; MYOGROWTH_UNUSED is none of them
+    bool is_there[n_entries_in] = {};
     for (int i = 0; i < a.n_in; ++i) {
-      for (int c = 0; c < a.in[i].size; ++c)
-        is_there |= a.in[i].entry[c] < n_entries_in ? 1u << a.in[i].entry[c] : 0;
+      for (int c = 0; c < a.in[i].size; ++c) {
+        if (a.in[i].entry[c] < n_entries_in) is_there[a.in[i].entry[c]] = true;
+      }
     }
-    for (int e = 0; e < n_entries_in && is_there != (1u << n_entries_in) - 1; ++e) {
-      if ((is_there >> e & 1) == 0) missing[n_missing++] = e;
+    for (int e = 0; e < n_entries_in; ++e) {
+      if (!is_there[e]) missing[n_missing++] = e;
     }
   }
 

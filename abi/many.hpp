@@ -99,9 +99,12 @@ inline bool is_within(double x, double least, double most) {
 }
 inline bool packs_can(const FibreGrowth<double>& m, double dt) {
   const GrowthRate<double>& g = m.growth;
-  return is_within(m.c1, 0, 1e30) && is_within(m.c2, 1e-30, 1e30) && is_within(g.tau, 1e-30, 1e30) &&
-         g.gamma <= 100 && is_within(g.G_max - 1, 1e-10, 1e10) && is_within(g.lambda_crit, 1e-10, 1e10) &&
-         is_within(dt, 0, 1e30);
+  const RemovalRate<double>& r = m.removal;
+  const bool removal = r.tau_rev == 0 || (is_within(r.tau_rev, 1e-30, 1e30) && r.gamma_rev <= 100 &&
+                                          is_within(r.lambda_crit_rev, 1e-10, 1e10));
+  return removal && is_within(m.c1, 0, 1e30) && is_within(m.c2, 1e-30, 1e30) &&
+         is_within(g.tau, 1e-30, 1e30) && g.gamma <= 100 && is_within(g.G_max - 1, 1e-10, 1e10) &&
+         is_within(g.lambda_crit, 1e-10, 1e10) && is_within(dt, 0, 1e30);
 }
 
 /// Updates the points [first, last): in packs those that packs can take, the others one by one.

@@ -142,8 +142,11 @@ MYOGROWTH_FUNCTION MYOGROWTH_NOINLINE FlowProgress<T> pass_panels(const Flow<T, 
     p.to_go = select(passes, T(p.to_go - whole.time), p.to_go);
     p.sensitivity = select(passes, T(p.sensitivity + whole.sensitivity), p.sensitivity);
     p.u = select(passes, T(p.u * T(rest)), p.u);
-    const LaneMask<T> at_end = !(is_number & (p.u > u_end));  // not a number: out of range, at the end
-    p.ended = p.ended | (beyond & at_end);
+    // Not a number: out of range. A number is at the end then; a lane of a pack, whose divisions have a
+    // smaller range, need not be.
+    const LaneMask<T> at_end = is_number & !(p.u > u_end), out_of_range = !is_number;
+    p.ended = p.ended | (beyond & (std::is_same<T, V>::value ? at_end | out_of_range : at_end));
+    if (!std::is_same<T, V>::value) p.left = p.left | (beyond & out_of_range);
     beyond = passes & !at_end;
   }
   p.left = p.left | beyond;

@@ -477,6 +477,35 @@ TEST(BatchStreamed, IsTheSame) {
   EXPECT_EQ(std::memcmp(x.tangent[0], x.tangent[1], sizeof x.tangent[0]), 0);
 }
 
+// Exponents so large that k_g(G_n) is below all numbers: nothing moves, and nothing is at its end.
+TEST(BatchOfLargeExponents, IsTheUpdateOfEveryPoint) {
+  constexpr std::ptrdiff_t n = 9;
+  for (const double gamma : {50., 100., 300., 1e3, 1e5, 1e169}) {
+    for (const bool is_removal : {false, true}) {
+      FibreGrowth<> m;
+      m.integration = TimeIntegration::midpoint_flow;
+      if (is_removal) m.removal = {1.1, gamma, 0.5, 1.005};
+      if (!is_removal) m.growth.gamma = gamma;
+      double F[9 * n] = {}, n0[3 * n] = {}, G[n], G_end[n], stress[6 * n];
+      const double dt = 480;
+      for (std::ptrdiff_t i = 0; i < n; ++i) {
+        F[i] = 1 + (is_removal ? -0.02 : 0.02) * static_cast<double>(i), F[4 * n + i] = F[8 * n + i] = 1;
+        n0[i] = 1, G[i] = 1 + 0.01 * static_cast<double>(i % 3);
+      }
+      const batch::Input in{batch::soa(F, n), batch::soa(n0, n), batch::soa(G, n), batch::shared(&dt),
+                            batch::soa(F, n)};  // F_11 is the stretch
+      const batch::Output out{batch::soa(stress, n), batch::soa(G_end, n)};
+      EXPECT_EQ(update_batch<none>(m, n, in, out), 0);
+      for (std::ptrdiff_t i = 0; i < n; ++i) {
+        const double F_i[9] = {F[i], 0, 0, 0, 1, 0, 0, 0, 1}, n0_i[3] = {1, 0, 0};
+        PointUpdate<double> u;
+        ASSERT_EQ(update_point(m, F_i, n0_i, G[i], F[i], dt, u), UpdateStatus::ok);
+        EXPECT_NEAR(G_end[i], u.G, 1e-13) << gamma << is_removal << i;
+      }
+    }
+  }
+}
+
 template <class C>
 class BatchFloat : public testing::Test {};
 TYPED_TEST_SUITE(BatchFloat, FloatConfigs, );
