@@ -95,9 +95,9 @@ struct Flow {
       const T per_kappa_q = T(V(1)) / (there.kappa * there.q), per_q = rounded(T(there.kappa * per_kappa_q));
       const T f = T(rule.weight[i % n]) * there.g * per_kappa_q;
       sum.time = sum.time + f;
-      sum.sensitivity = sum.sensitivity + f * per_q;
+      sum.sensitivity = sum.sensitivity + f * half * per_q;  // (f per_q itself may be beyond all numbers)
     }
-    return {sum.time * half, sum.sensitivity * half};
+    return {sum.time * half, sum.sensitivity};
   }
 
   /// How far it goes from u on in a time, by the series of the time to third order in the distance, as a
