@@ -467,8 +467,9 @@ unsigned finish(const Material& material, const Begun<V, N>& b, const In& in, co
     const Points<V, N, std::decay_t<decltype(in.F)>> F_in(in.F, i);
     P F[9], inv[9], cofactor[9];
     for (int c = 0; c < 9; ++c) F[c] = F_in.load(c);
-    cofactors(F, cofactor);
-    for_each_of<9>([&](auto c) { inv[c] = cofactor[c / 3 + 3 * (c % 3)] * b.per_J; });
+    // By its own determinant, as measures.hpp's: J's rounding would count to its fourth power in dS/dE.
+    const P per_det = P(V(1)) / cofactors(F, cofactor);
+    for_each_of<9>([&](auto c) { inv[c] = cofactor[c / 3 + 3 * (c % 3)] * per_det; });
     P host[9];
     if constexpr (measure == Measure::first_piola) {
       for_each_of<9>([&](auto c) { host[c] = times(u.tau, c % 3, inv, c / 3); });
