@@ -142,11 +142,11 @@ class TrilinosSystem : public LinearSystem {
     std::transform(columns, columns + local.size(), local.begin(), [&](int column) {
       return partitioner_->global_to_local(static_cast<types::global_dof_index>(m.GCID(column)));
     });
-    everybodys_.reinit(partitioner_);
+    ghosted_.reinit(partitioner_);
     smoother_ = std::make_unique<Smoother>(n_owned_, start, local, [this](const double* owned) {
-      std::copy(owned, owned + n_owned_, everybodys_.begin());
-      everybodys_.update_ghost_values();
-      return everybodys_.begin();
+      std::copy(owned, owned + n_owned_, ghosted_.begin());
+      ghosted_.update_ghost_values();
+      return ghosted_.begin();
     });
   }
 
@@ -198,7 +198,7 @@ class TrilinosSystem : public LinearSystem {
   TrilinosWrappers::SparseMatrix matrix_;
   TrilinosWrappers::PreconditionAMG amg_;
   std::unique_ptr<Epetra_MultiVector> modes_;
-  Vector everybodys_;  // the smoother's x, with entries of other ranks
+  Vector ghosted_;  // the smoother's x, with entries of other ranks
   std::unique_ptr<Smoother> smoother_;
   std::size_t n_owned_ = 0;
   double* values_ = nullptr;

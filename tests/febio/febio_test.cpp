@@ -112,15 +112,20 @@ TEST(Febio, StressStateAndTangent) {
   EXPECT_NEAR(plot.numbers[2] * exact.G, plot.numbers[1], 1e-15);
 }
 
+/// A step as FEBio tries it, and goes back to what it has saved before.
+void abandon_a_step(Host& host) {
+  DumpStream saved;
+  host.point->Serialize(saved);
+  host.begin(0.7), host.stress(on_path(1.0));
+  saved.loading = true;
+  host.point->Serialize(saved);
+}
+
 TEST(Febio, AStepThatFailedLeavesNothing) {
   Host straight, cut;
   straight.begin(0.3), straight.stress(on_path(0.3));
   cut.begin(0.3), cut.stress(on_path(0.3));
-  DumpStream saved;
-  cut.point->Serialize(saved);
-  cut.begin(0.7), cut.stress(on_path(1.0));  // abandoned
-  saved.loading = true;
-  cut.point->Serialize(saved);
+  abandon_a_step(cut);
   for (Host* host : {&straight, &cut}) {
     host->begin(0.35), host->stress(on_path(0.65));
     host->begin(0.35), host->stress(on_path(1.0));
@@ -353,11 +358,7 @@ TEST(FebioKinematic, AStepThatFailedLeavesNothingInThePartsEither) {
   Host straight({}, make<WithHistory>), cut({}, make<WithHistory>);
   straight.begin(0.3), straight.stress(on_path(0.3));
   cut.begin(0.3), cut.stress(on_path(0.3));
-  DumpStream saved;
-  cut.point->Serialize(saved);
-  cut.begin(0.7), cut.stress(on_path(1.0));  // abandoned
-  saved.loading = true;
-  cut.point->Serialize(saved);
+  abandon_a_step(cut);
   mat3ds a, b;
   for (int i = 1; i < 3; ++i) {
     straight.begin(0.35), cut.begin(0.35);
