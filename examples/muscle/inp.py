@@ -348,7 +348,7 @@ class Deck:
             self.fail(place, "the points a and b of the local axes must not lie on one line with the origin")
         e1, e3 = (v / np.linalg.norm(v) for v in (a - c, normal))
         axes = np.array([e1, np.cross(e3, e1), e3])
-        k, i, j = (turn[0] - 1, turn[0] % 3, (turn[0] + 1) % 3)
+        i, j = turn[0] % 3, (turn[0] + 1) % 3  # the other two
         x, y = math.cos(math.radians(turn[1])), math.sin(math.radians(turn[1]))
         axes[[i, j]] = x * axes[i] + y * axes[j], x * axes[j] - y * axes[i]
         return axes
@@ -393,7 +393,7 @@ class Deck:
         where = card.parameters.get("LOCATION", "").upper()
         if where != "ELEMENT":
             self.fail(card.place, f"*DISTRIBUTION, NAME={name}, LOCATION={where or 'nothing'}: only ELEMENT is read")
-        wanted, found, default = set(cells), {}, None  # of two rows for an element the last one holds, as in Abaqus
+        found, default = {}, None  # of two rows for an element the last one holds, as in Abaqus
         for row, text in card.data:
             who, *given = self.fields(text)
             value = (row, self.points_of_axes(row, given))
@@ -408,7 +408,7 @@ class Deck:
         missing = [self.raw.cells[c].label for c in cells if c not in found]
         if missing and not default:
             self.fail(card.place, f"*DISTRIBUTION, NAME={name}: has no row for elements {some(missing)}, and no default")
-        return {c: found.get(c, default) for c in wanted}
+        return {c: found.get(c, default) for c in cells}
 
     # ---- One mesh of it
 
