@@ -66,7 +66,8 @@ struct Flow {
     u_n = b.ahead(end, G_n);
     const LaneMask<T> at_limit = moves & (end == limit);
     to_limit_end = select(moves & !at_limit, b.ahead(limit, end), zero);
-    q_end = select(at_limit, b.ahead(lambda, T(T(b.crit) * limit)), zero);
+    // (Where both limits meet, rounding may leave less than zero.)
+    q_end = select(at_limit, maximum(b.ahead(lambda, T(T(b.crit) * limit)), zero), zero);
     a = select(moves, dt, zero) * T(b.per_time) * b.to_gamma(T(r * T(b.per_width)));
   }
 

@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+
+#include <cfenv>
 #include <myogrowth/growth_flow.hpp>
 
 #include "../support/larger.hpp"
@@ -83,6 +85,26 @@ TEST(GrowthFlow, AGrowthNumberBeyondAllNumbersEndsTheWay) {
   EXPECT_DOUBLE_EQ(flow_growth(thin, none, 0.76, 0.9, 1e-8).dG_dlambda, 1 / thin.lambda_crit);
   const double forever = std::numeric_limits<double>::infinity();
   EXPECT_EQ(flow_growth(GrowthRate<>(), none, 1.0, 2.0, forever).G, GrowthRate<>().G_max);
+}
+
+// Where the limits meet to rounding, lambda - lambda_crit G_max may come out below zero: the way must still
+// end, in panels that are few, and without an overflow.
+TEST(GrowthFlow, EndsWhereTheLimitsMeetToRounding) {
+  samples::Random r(74);
+  int below = 0;
+  for (int i = 0; i < 20000; ++i) {
+    GrowthRate<> up{r.log_uniform(0.01, 10), r.uniform(0, 0.5), 1 + r.log_uniform(1e-3, 2),
+                    r.uniform(0.9, 1.1)};
+    const double lambda = up.lambda_crit * up.G_max * (1 + (r.uniform() - 0.5) * 4e-16);
+    if (up.G_max > lambda / up.lambda_crit || lambda >= up.lambda_crit * up.G_max) continue;
+    ++below;
+    std::feclearexcept(FE_ALL_EXCEPT);
+    const auto s = flow_growth(up, RemovalRate<>(), 1.0, lambda, 1e15);
+    EXPECT_FALSE(std::fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW));
+    EXPECT_LE(s.iterations, 260) << i;
+    EXPECT_NEAR(s.G, up.G_max, 1e-8);
+  }
+  EXPECT_GT(below, 100);
 }
 
 TEST(GrowthFlow, SlopeAndBounds) {
