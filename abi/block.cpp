@@ -3,9 +3,8 @@
 // block.hpp is plain C.
 #include "block.hpp"
 
+#include <cstring>
 #include <myogrowth/many/batch.hpp>
-
-#include "properties.hpp"
 
 namespace {
 
@@ -163,12 +162,11 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
 
 }  // namespace
 
-extern "C" void MYOGROWTH_UPDATE_BLOCK(const double* props, int n, int measure, int with_tangent,
+extern "C" void MYOGROWTH_UPDATE_BLOCK(const void* bytes, int n, int measure, int with_tangent,
                                        MyogrowthBlock* block) {
-  double known[abi::n_props];
-  for (int i = 0; i < abi::n_props; ++i) known[i] = props[i];
-  abi::Properties properties;
-  abi::take(known, properties);
+  static_assert(std::is_trivially_copyable<FibreGrowth<double>>::value, "it comes as bytes");
+  FibreGrowth<double> material;
+  std::memcpy(&material, bytes, sizeof material);
   MyogrowthBlock& b = *block;
   for (int i = 0; i < b.n_in; ++i) turn(b.in[i], b.first, n, b.number);
   const int whole = (n + lanes - 1) / lanes * lanes;
@@ -192,11 +190,11 @@ extern "C" void MYOGROWTH_UPDATE_BLOCK(const double* props, int n, int measure, 
                                                   update<Tangent::full, Measure::first_piola, true>,
                                                   update<Tangent::full, Measure::second_piola, true>};
     if (b.direct >= 0 && n == whole && all_are_good()) {
-      direct_updates[measure](properties.material, n, b);
+      direct_updates[measure](material, n, b);
       if (all_are_good()) written = b.direct;
     }
   }
-  if (written < 0) updates[measure][with_tangent](properties.material, whole, b);
+  if (written < 0) updates[measure][with_tangent](material, whole, b);
   b.is_given = b.n_out > 0 && all_are_good();
   for (int i = 0; i < b.n_out && b.is_given; ++i) {
     if (i != written) turn(b.out[i], b.first, n, b.number);

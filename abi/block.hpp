@@ -45,9 +45,9 @@ struct MyogrowthBlock {
   std::ptrdiff_t first;  ///< which of them is the block's first
 };
 
-/// Updates the first n points of the material of these PROPS, all 18 of them and found to be allowed.
-/// measure: 0 Cauchy, 1 first, 2 second Piola-Kirchhoff. n0 is then of unit length.
-using MyogrowthUpdateBlock = void(const double* props, int n, int measure, int with_tangent,
+/// Updates the first n points of a material, the bytes of a FibreGrowth<double> (which has another name in
+/// each instruction set). measure: 0 Cauchy, 1 first, 2 second Piola-Kirchhoff. n0 is then of unit length.
+using MyogrowthUpdateBlock = void(const void* material, int n, int measure, int with_tangent,
                                   MyogrowthBlock* block);
 #pragma GCC visibility push(hidden)
 MyogrowthUpdateBlock myogrowth_update_block_base, myogrowth_update_block_avx2, myogrowth_update_block_avx512;

@@ -83,9 +83,11 @@ struct Arrays {
   int n_out;
   bool state_is_known;
   int* status;
+  int direct;  ///< index of the output that is the tangent whole and in its order, or -1
 };
 
 constexpr int n_entries_in = MYOGROWTH_STRESS;  // the first ones
+constexpr unsigned all_entries_in = (1u << n_entries_in) - 1;
 constexpr int entry_of_state(int e) { return abi::row_of_state(e) / myogrowth_block_points; }
 
 bool is_of_state(int entry) {
@@ -105,7 +107,7 @@ int entry_at_start(int entry) {
 struct OneAfterTheOther {
   myogrowth_input in[2];
   myogrowth_output out[4];
-  Arrays arrays{in, 0, out, 0, false, nullptr};
+  Arrays arrays{in, 0, out, 0, false, nullptr, -1};
   const double* carried_from = nullptr;
   double* carried_to = nullptr;
   int n_state = 0, n_carried = 0;
@@ -130,6 +132,7 @@ struct OneAfterTheOther {
       if (data && size > 0) out[arrays.n_out++] = {data, step, size, entry};
     };
     give(stress, n_stress, n_stress, of_stress.tensor);
+    if (tangent) arrays.direct = arrays.n_out;
     give(tangent, n_stress * n_stress, n_stress * n_stress, of_tangent.tensor);
     give(energy, 1, n_stress > 0 ? 1 : 0, &of_energy);
     if (n < 1) return;
@@ -164,14 +167,13 @@ struct Points {
 
   Points(const Call& call_, const Arrays& arrays, abi::Text& text, const OneAfterTheOther* whole = nullptr)
       : call(call_), a(arrays), first_fault(text), whole_state(whole) {
-    bool is_there[n_entries_in] = {};
+    unsigned there = 0;  // a bit for each entry
     for (int i = 0; i < a.n_in; ++i) {
-      for (int c = 0; c < a.in[i].size; ++c) {
-        if (a.in[i].entry[c] < n_entries_in) is_there[a.in[i].entry[c]] = true;
-      }
+      for (int c = 0; c < a.in[i].size; ++c)
+        there |= a.in[i].entry[c] < n_entries_in ? 1u << a.in[i].entry[c] : 0u;
     }
-    for (int e = 0; e < n_entries_in; ++e) {
-      if (!is_there[e]) missing[n_missing++] = e;
+    for (int e = 0; there != all_entries_in && e < n_entries_in; ++e) {
+      if ((there >> e & 1) == 0) missing[n_missing++] = e;
     }
   }
 
@@ -179,13 +181,7 @@ struct Points {
     b.is_known = a.state_is_known;
     b.in = a.in, b.n_in = a.n_in;
     b.out = a.out, b.n_out = a.n_out;
-    const int n_stress = myogrowth_stress_size(call.measure);
-    for (int o = 0; o < a.n_out; ++o) {
-      int c = 0;
-      if (a.out[o].size != n_stress * n_stress) continue;
-      while (c < a.out[o].size && a.out[o].entry[c] == MYOGROWTH_TANGENT + c) ++c;
-      if (c == a.out[o].size) b.direct = o;
-    }
+    b.direct = a.direct;
   }
   void load(int, int, MyogrowthBlock& b) const {
     for (int m = 0; m < n_missing; ++m) {
@@ -335,7 +331,7 @@ bool overlap(const Array& a, const myogrowth_output& b, std::ptrdiff_t n_points)
 }
 
 // The same for all of them.
-bool find_fault(const Arrays& a, int n_points, Call& call, abi::Text& text) {
+bool find_fault(Arrays& a, int n_points, Call& call, abi::Text& text) {
   bool is_there[MYOGROWTH_UNUSED + 1] = {};
   const auto comes_in = [&](int entry) {
     const bool is_input =
@@ -360,6 +356,9 @@ bool find_fault(const Arrays& a, int n_points, Call& call, abi::Text& text) {
   }
   call.n_state = is_there[MYOGROWTH_LAMBDA] ? abi::n_kept : 1;
   for (int o = 0; o < a.n_out; ++o) {
+    int c = 0;
+    while (c < a.out[o].size && a.out[o].entry[c] == MYOGROWTH_TANGENT + c) ++c;
+    if (c == a.out[o].size && c == n_stress * n_stress) a.direct = o;
     for (int i = 0; i < a.n_in; ++i) {
       if (overlap(a.in[i], a.out[o], n_points))
         return abi::tell(text, "out[%d] overlaps in[%d]: only the state may be written where it is read.", o,
@@ -388,7 +387,8 @@ int myogrowth_check(const double* props, int n_props, char* message, int message
 int myogrowth_update(const double* props, int n_props, const double F[9], const double* state_in,
                      double* state_out, int n_state, double dt, int measure, double* stress, double* tangent,
                      double* energy, char* message, int message_length) {
-  abi::Text text = "";
+  abi::Text text;
+  text[0] = '\0';  // (not all 400 of them)
   Call call = call_of(n_state, dt, measure, tangent != nullptr);
   int made = check(props, n_props, F, state_in, state_out, stress, call, text);
   if (made != MYOGROWTH_OK) call.n_state = 0;  // it may be anything, and no state is touched
@@ -412,7 +412,8 @@ int myogrowth_update_n(int n_points, const double* props, int n_props, const dou
                        int message_length) {
   write_message("", message, message_length);
   if (n_points <= 0) return 0;
-  abi::Text text = "";
+  abi::Text text;
+  text[0] = '\0';  // (not all 400 of them)
   Call call = call_of(n_state, dt, measure, tangent != nullptr);
   const int fault = check(props, n_props, F, state_in, state_out, stress, call, text);
   if (fault != MYOGROWTH_OK) call.n_state = 0;  // it may be anything, and no state is touched
@@ -429,7 +430,7 @@ int myogrowth_update_strided(int n_points, const double* props, int n_props, con
   if (n_points <= 0) return 0;
   abi::Text text = "";
   Call call = call_of(0, dt, measure, false);
-  Arrays arrays{in, n_in, out, n_out, state_is_known != 0, status};
+  Arrays arrays{in, n_in, out, n_out, state_is_known != 0, status, -1};
   int fault = MYOGROWTH_OK;
   if (find_fault(arrays, n_points, call, text)) {
     fault = MYOGROWTH_BAD_ARGUMENT;

@@ -116,8 +116,6 @@ inline bool packs_can(const FibreGrowth<double>& m, double dt) {
 template <class Host>
 void update_many(const Common& c, int first, int last, Host& host) {
   constexpr int size = myogrowth_block_points;
-  double props[n_props];
-  write(c.properties.material, props);
   const bool in_packs =
       packs_can(c.properties.material, c.dt) && !c.properties.local_basis && c.law.law == Law::neo_hookean;
   MyogrowthUpdateBlock* const update = update_block();
@@ -139,7 +137,7 @@ void update_many(const Common& c, int first, int last, Host& host) {
     if (in_packs) {
       block.first = first;
       host.load(first, count, block);
-      update(props, count, c.measure, c.with_tangent, &block);
+      update(&c.properties.material, count, c.measure, c.with_tangent, &block);
     }
     if (block.is_given) host.finish(first, count);
     for (int k = 0; k < count && !block.is_given; ++k) {

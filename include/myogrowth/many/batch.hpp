@@ -36,10 +36,6 @@ namespace myogrowth {
 namespace batch {
 namespace detail {
 
-/// The lanes of a pack: N, or by default four registers of the compiler's target.
-template <class V, int N>
-constexpr int lanes = N > 0 ? N : 4 * simd::native_lanes<V>;
-
 using namespace myogrowth::detail;
 using namespace myogrowth::simd;
 
@@ -163,6 +159,16 @@ struct Points<V, N, Streamed<W, components, block>> {
   void store(int c, const Pack<V, N>& p) const { p.stream(at(c)); }
 };
 constexpr int line_bytes = 64;
+
+/// The registers of a pack by default. Fewer where a full tangent goes to memory line by line: shorter bursts
+/// of stores take a fifth less time (docs/performance.md).
+template <class V, Tangent tangent, class Out>
+constexpr int registers_of_pack() {
+  constexpr bool streams = is_streamed<Out>, by_lines = simd::native_lanes<V> * sizeof(V) == line_bytes;
+  return streams && by_lines && tangent == Tangent::full ? 2 : 4;
+}
+template <class V, int N, Tangent tangent, class Out>
+constexpr int lanes = N > 0 ? N : registers_of_pack<V, tangent, Out>() * simd::native_lanes<V>;
 
 /// Where it goes otherwise: first into a buffer, for as many points as go through the stages together, and
 /// from there line by line. For other outputs there is nothing to it.
@@ -637,7 +643,7 @@ namespace myogrowth {
 namespace batch {
 namespace detail {
 
-template <class V, int N>
+template <class V, int N, Tangent, class>
 constexpr int lanes = 1;
 
 /// The points [first, last), of one material.
@@ -659,13 +665,14 @@ std::ptrdiff_t update_range(const Material& material, std::ptrdiff_t first, std:
 namespace myogrowth {
 
 /// One step of n points of one material. Returns how many have no result (det F <= 0, no fibre, G <= 0, or
-/// not finite). N: the lanes of a pack, by default four registers of the compiler's target.
+/// not finite). N: the lanes of a pack, by default four registers of the compiler's target, two where a
+/// full tangent is streamed line by line.
 template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, int N = 0, class V, class In,
           class Out>
 std::ptrdiff_t update_batch(const FibreGrowth<V>& material, std::ptrdiff_t n, const In& in, const Out& out) {
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
-  return batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>, V>(material, 0, n, in,
-                                                                                      out);
+  return batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N, tangent, Out>, V>(
+      material, 0, n, in, out);
 }
 
 /// The same for points of many materials. Every run of points of one material is done by packs of its own:
@@ -679,7 +686,7 @@ std::ptrdiff_t update_batch(const batch::Materials<V, Index>& materials, std::pt
   for (std::ptrdiff_t first = 0, last; first < n; first = last) {
     const Index which = materials.index[first];
     for (last = first + 1; last < n && materials.index[last] == which;) ++last;
-    failed += batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>, V>(
+    failed += batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N, tangent, Out>, V>(
         materials.data[which], first, last, in, out);
   }
   return failed;

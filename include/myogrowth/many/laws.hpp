@@ -273,8 +273,8 @@ template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, in
 std::ptrdiff_t update_batch(const FibreGrowthOf<Roehrle<V>, V>& material, std::ptrdiff_t n, const In& in,
                             const Out& out) {
   static_assert(tangent != Tangent::compact || measure == Measure::cauchy, "the compact tangent is DDSDDE's");
-  return batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N>, V>(material, 0, n, in,
-                                                                                      out);
+  return batch::detail::update_range<tangent, measure, batch::detail::lanes<V, N, tangent, Out>, V>(
+      material, 0, n, in, out);
 }
 
 /// The same with any other law: point by point.
