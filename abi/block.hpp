@@ -41,7 +41,7 @@ struct MyogrowthBlock {
   int n_in, n_out;
   const myogrowth_input* in;  ///< of all points of the call
   const myogrowth_output* out;
-  int direct;            ///< index of the output that is the tangent whole and in its order, or -1
+  int direct;            ///< index of the only output of the tangent, if that is whole and in order, or -1
   std::ptrdiff_t first;  ///< which of them is the block's first
 };
 

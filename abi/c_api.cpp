@@ -83,7 +83,7 @@ struct Arrays {
   int n_out;
   bool state_is_known;
   int* status;
-  int direct;  ///< index of the output that is the tangent whole and in its order, or -1
+  int direct;  ///< index of the only output of the tangent, if that is whole and in its order, or -1
 };
 
 constexpr int n_entries_in = MYOGROWTH_STRESS;  // the first ones
@@ -339,12 +339,13 @@ bool find_fault(Arrays& a, int n_points, Call& call, abi::Text& text) {
     if (is_input) is_there[entry] = true;
     return is_input;
   };
-  const int n_stress = myogrowth_stress_size(call.measure);
+  const int n_stress = myogrowth_stress_size(call.measure), n_tangent = n_stress * n_stress;
+  const auto is_of_tangent = [n_tangent](int entry) {
+    return entry >= MYOGROWTH_TANGENT && entry < MYOGROWTH_TANGENT + n_tangent;
+  };
   const auto comes_out = [&](int entry) {
-    const int of_tangent = entry - MYOGROWTH_TANGENT;
-    const bool is_of_tangent = of_tangent >= 0 && of_tangent < n_stress * n_stress;
-    call.with_tangent = call.with_tangent || is_of_tangent;
-    return is_of_tangent || (entry >= MYOGROWTH_N0 && entry < MYOGROWTH_STRESS + n_stress) ||
+    call.with_tangent = call.with_tangent || is_of_tangent(entry);
+    return is_of_tangent(entry) || (entry >= MYOGROWTH_N0 && entry < MYOGROWTH_STRESS + n_stress) ||
            (entry >= MYOGROWTH_G_END && entry <= MYOGROWTH_ENERGY);
   };
   if (find_array_fault("in", a.in, a.n_in, n_points, comes_in, text) ||
@@ -355,10 +356,16 @@ bool find_fault(Arrays& a, int n_points, Call& call, abi::Text& text) {
       return abi::tell(text, "F%d%d: is in no array of in: all of F is needed.", c % 3 + 1, c / 3 + 1);
   }
   call.n_state = is_there[MYOGROWTH_LAMBDA] ? abi::n_kept : 1;
+  int tangents = 0;
   for (int o = 0; o < a.n_out; ++o) {
-    int c = 0;
-    while (c < a.out[o].size && a.out[o].entry[c] == MYOGROWTH_TANGENT + c) ++c;
-    if (c == a.out[o].size && c == n_stress * n_stress) a.direct = o;
+    int of_tangent = 0, in_order = 0;
+    for (int c = 0; c < a.out[o].size; ++c) {
+      of_tangent += is_of_tangent(a.out[o].entry[c]);
+      in_order += a.out[o].entry[c] == MYOGROWTH_TANGENT + c;
+    }
+    // (What is written directly is in no row of the block, from where other outputs would have it.)
+    const bool is_whole = in_order == a.out[o].size && in_order == n_tangent;
+    if (of_tangent > 0) a.direct = tangents++ == 0 && is_whole ? o : -1;
     for (int i = 0; i < a.n_in; ++i) {
       if (overlap(a.in[i], a.out[o], n_points))
         return abi::tell(text, "out[%d] overlaps in[%d]: only the state may be written where it is read.", o,
