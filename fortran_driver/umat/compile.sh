@@ -11,9 +11,33 @@ fail() { echo "$file: $*" >&2; exit 1; }
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-# Names of files have no case on Windows, where many UMATs were written.
-names=$(grep -aoiE '\baba_param\.inc\b' "$file" | sort -u) || true
-for name in $names ABA_PARAM.INC aba_param.inc; do cp "$here/ABA_PARAM.INC" "$work/$name"; done
+# On Windows, where many UMATs were written, names of files have no case, and a folder's name ends with a backslash: what
+# INCLUDE lines name so, here and in the included files, gets a link under the name as it is written.
+link_included() { # FILE
+  local folder name trimmed found
+  folder=$(cd "$(dirname "$1")" && pwd -P)
+  while IFS= read -r name; do
+    read -r trimmed <<<"$name" || true  # blanks around it do not count
+    if [[ "${trimmed,,}" = aba_param.inc ]]; then found=$here/ABA_PARAM.INC
+    elif [ -f "$folder/$name" ]; then found=$folder/$name
+    else
+      found=$folder/${trimmed//\\//}
+      found=$(find -L "$(dirname "$found")" -maxdepth 1 -type f -iname "$(basename "$found")" -print -quit 2>/dev/null) || true
+    fi
+    if [ -z "$found" ] || [ -n "${linked[$found:$name]:-}" ]; then continue; fi
+    linked[$found:$name]=1
+    if [ ! -f "$folder/$name" ] && [[ "$name" != /* && "$name" != ../* ]]; then
+      mkdir -p "$work/$(dirname "$name")"
+      ln -sf "$(realpath "$found")" "$work/$name"
+    fi
+    link_included "$found"
+  done < <(sed -nE "s/^[[:space:]]*#?[[:space:]]*include[[:space:]]*['\"<]([^'\">]+)['\">].*/\1/Ip" "$1")
+}
+declare -A linked
+link_included "$file"
+# Abaqus's own headers: mutexes and threads need no declarations; the name that Fortran gives a routine of C.
+: >"$work/SMAAspUserSubroutines.hdr"
+for name in omi_for_c.h aba_for_c.h; do echo '#define FOR_NAME(name, ...) name##_' >"$work/$name"; done
 
 fortran=(-std=legacy -fdec -fno-align-commons -ffixed-line-length-132 -ffree-line-length-none)
 case "${file##*.}" in
@@ -23,7 +47,10 @@ case "${file##*.}" in
     if grep -aqiE '^[!c*]d(ec|ir)\$ *freeform' "$file"; then form=-ffree-form; fi
     compiler=(gfortran -x f95 "$form") ;;
   f90 | f95 | f03 | f08 | F90 | F95 | F03 | F08) compiler=(gfortran -x f95 -ffree-form) ;;
-  cpp | cc | cxx | C) compiler=(g++ -x c++) fortran=() ;;
+  cpp | cc | cxx | C)
+    compiler=(g++ -x c++) fortran=()
+    read -ra eigen < <(pkg-config --cflags eigen3 2>/dev/null) || eigen=()
+    compiler+=("${eigen[@]}") ;;
   c) compiler=(gcc -x c) fortran=() ;;
   *) fail "the ending must be .f, .for or .ftn (fixed form), .f90, .f95, .f03 or .f08 (free form), .c, .cc, .cpp or .cxx" ;;
 esac
@@ -31,7 +58,19 @@ esac
 if [ ${#fortran[@]} -gt 0 ] && grep -aqE '^#' "$file"; then fortran+=(-cpp); fi
 command -v "${compiler[0]}" >/dev/null || fail "needs ${compiler[0]} (Debian: apt-get install gfortran g++)"
 
+compile() { # FILE FOR THE ERRORS
+  "${compiler[@]}" "${fortran[@]}" -I "$work" -I "$(dirname "$file")" -w -g -O1 -fPIC -c "$file" -o "$work/umat.o" 2>"$1"
+}
+if ! compile "$work/errors"; then
+  # Free form under an ending of fixed form, which Abaqus takes by an option in the user's abaqus_v6.env.
+  if [ "${form:-}" = -ffixed-form ] && compiler=(gfortran -x f95 -ffree-form) && compile "$work/free"; then
+    echo "note: $file is not in fixed form; it is taken as free form, in which it compiles" >&2
+  else
+    # Free form read as fixed form has an error in nearly every line, and the other way round.
+    if [ -f "$work/free" ] && [ "$(wc -l <"$work/free")" -lt "$(wc -l <"$work/errors")" ]; then mv "$work/free" "$work/errors"; fi
+    cat "$work/errors" >&2
+    fail "does not compile (above)"
+  fi
+fi
 # Names that the file defines are its own, whatever the driver's libraries define (-Bsymbolic).
-"${compiler[@]}" "${fortran[@]}" -I "$work" -I "$(dirname "$file")" -w -g -O1 -fPIC -c "$file" -o "$work/umat.o" ||
-  fail "does not compile (above)"
 gfortran -shared -Wl,-Bsymbolic "$work/umat.o" -lstdc++ -o "$library" || fail "does not link (above)"

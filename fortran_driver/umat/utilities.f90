@@ -237,6 +237,15 @@ subroutine mutexunlock(id)
   if (id < 0) return
 end subroutine mutexunlock
 
+! What a host has computed at the point. UVARM and USDFLD ask for it, which a UMAT's file may contain and the driver does
+! not call; a UMAT that asks gets no answer.
+subroutine getvrm()
+  use myogrowth_abaqus, only: say_and_stop
+  implicit none
+
+  call say_and_stop('calls GETVRM, and the driver has no such results to give')
+end subroutine getvrm
+
 subroutine xit()
   use myogrowth_abaqus, only: say_and_stop
   implicit none

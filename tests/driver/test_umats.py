@@ -45,6 +45,9 @@ UMAT = """subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, dr
 end subroutine
 """
 INCLUDE = "include 'ABA_PARAM.INC'"
+C = """void {name}(double* stress, double* statev, double* ddsdde, double* sse, double* spd, double* scd, double* rpl,
+  double* ddsddt, double* drplde, double* drpldt, double* stran, double* dstran)
+{{ for (int i = 0; i < 6; ++i) {{ ddsdde[7 * i] = 100; stress[i] += 100 * dstran[i]; }} statev[0] = 7; }}"""
 
 
 class Folder(unittest.TestCase):
@@ -242,14 +245,54 @@ class Sources(Folder):
         self.write("part.inc", "      statev(1) = 8\n")
         self.assertEqual(self.works("umat.f", fixed(UMAT.format(include=INCLUDE, more="include 'part.inc'"))), 8)
 
+    def test_free_form_under_an_ending_of_fixed_form(self):
+        source = self.write("umat.f", UMAT.format(include=INCLUDE, more=""))
+        done = self.compile(source)
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.stderr, f"note: {source} is not in fixed form; it is taken as free form, in which it compiles\n")
+        # An error in either form is shown in the form that the file is written in, without those of the other form.
+        wrong = UMAT.format(include=INCLUDE, more="call x(")
+        for text in (wrong, fixed(wrong)):
+            done = self.compile(self.write("umat.f", text))
+            self.assertEqual(done.returncode, 1)
+            self.assertEqual(done.stderr.count("Error"), 1, done.stderr)
+            self.assertRegex(done.stderr, r"call x\(")
+
+    def test_included_files_as_on_windows(self):
+        (self.folder / "Sub").mkdir()
+        self.write("Sub/Part.INC", "      INCLUDE 'Deeper.F'\r\n")
+        self.write("Sub/deeper.f", "      statev(1) = 9\n")
+        more = "include '{}'"
+        for name in ("Sub\\part.inc", "Sub/PART.inc", "Sub\\Part.INC "):
+            text = "C     From Windows\n" + fixed(UMAT.format(include='INCLUDE  "Aba_Param.inc "', more=more.format(name)))
+            self.assertEqual(self.works("umat.for", text.replace("\n", "\r\n").encode("utf-8-sig")), 9)
+        done = self.compile(self.write("umat.f", fixed(UMAT.format(include=INCLUDE, more=more.format("Other.inc")))))
+        self.assertIn("Other.inc", done.stderr)
+
+    def test_headers_of_abaqus(self):
+        text = "#include <SMAAspUserSubroutines.hdr>\n" + UMAT.format(include=INCLUDE, more="call MutexLock(1)\n  statev(1) = 6")
+        self.assertEqual(self.works("umat.f90", text), 6)
+        for header, name in (("omi_for_c.h", "FOR_NAME(umat, UMAT)"), ("aba_for_c.h", "FOR_NAME(umat)")):
+            text = f"#include <{header}>\n" + C.format(name=name)
+            self.assertEqual(self.works("umat.c", text), 7)
+            self.assertEqual(self.works("umat.cpp", "#include <Eigen/Dense>\n" + text.replace("void", 'extern "C" void')), 7)
+
+    def test_getvrm(self):
+        call = "call getvrm('S', ps, an, jarray, flgray, jrcd, 1, 2, cmname, 3)"
+        uvarm = f"subroutine uvarm(u)\n  {INCLUDE}\n  {call}\nend subroutine\n"  # which the driver does not call
+        source = self.write("umat.f90", UMAT.format(include=INCLUDE, more="") + uvarm)
+        done = self.run_umat(source, self.PULL.format(more=""))
+        self.assertEqual(done.returncode, 0)
+        self.assertGreater(self.rows[-1]["s11"], 9)
+        done = self.run_umat(self.write("umat.f90", UMAT.format(include=INCLUDE, more=call)), self.PULL.format(more=""))
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("UMAT: calls GETVRM, and the driver has no such results to give\n", done.stderr)
+
     def test_entries(self):
-        c = """void {name}(double* stress, double* statev, double* ddsdde, double* sse, double* spd, double* scd, double* rpl,
-          double* ddsddt, double* drplde, double* drpldt, double* stran, double* dstran)
-          {{ for (int i = 0; i < 6; ++i) {{ ddsdde[7 * i] = 100; stress[i] += 100 * dstran[i]; }} statev[0] = 7; }}"""
         for name in ("umat_", "umat", "UMAT", "UMAT_"):
-            self.assertEqual(self.works("umat.c", c.format(name=name)), 7)
-            self.assertEqual(self.works("umat.cpp", 'extern "C" ' + c.format(name=name)), 7)
-        done = self.run_umat(self.write("umat.c", c.format(name="vumat_")), self.PULL.format(more=""))
+            self.assertEqual(self.works("umat.c", C.format(name=name)), 7)
+            self.assertEqual(self.works("umat.cpp", 'extern "C" ' + C.format(name=name)), 7)
+        done = self.run_umat(self.write("umat.c", C.format(name="vumat_")), self.PULL.format(more=""))
         self.assertEqual(done.returncode, 1)
         self.assertIn("it has none of the symbols umat_, umat, UMAT and UMAT_", done.stderr)
 
@@ -273,10 +316,10 @@ class Sources(Folder):
             self.assertEqual(done.returncode, 1)
             self.assertIn(message, done.stderr)
         self.assertIn("there is no such file", self.compile(self.folder / "no.f").stderr)
-        missing = UMAT.format(include=INCLUDE, more="call getvrm('S', ps, an, jarray, flgray, jrcd, 1, 2, cmname, 3)")
+        missing = UMAT.format(include=INCLUDE, more="call getpropertytable('a', 'b', ps, i)")
         done = self.run_umat(self.write("umat.f90", missing), self.PULL.format(more=""))
         self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, "undefined symbol: getvrm_ \\(neither in it nor among the utilities")
+        self.assertRegex(done.stderr, "undefined symbol: getpropertytable_ \\(neither in it nor among the utilities")
         wrong = UMAT.format(include=INCLUDE, more="call sprinc(stress, ps, 3, 3, 3)")
         done = self.run_umat(self.write("umat.f90", wrong), self.PULL.format(more=""))
         self.assertEqual(done.returncode, 2)
