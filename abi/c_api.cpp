@@ -150,12 +150,6 @@ struct OneAfterTheOther {
   OneAfterTheOther(const OneAfterTheOther&) = delete;
 };
 
-// The reason in words, where there is none yet.
-const char* reason(UpdateStatus status, abi::Text& text) {
-  if (status != UpdateStatus::ok && !text[0]) abi::tell(text, "%s.", abi::text(status));
-  return text;
-}
-
 // The points of arrays, for abi::update_many.
 struct Points {
   const Call& call;
@@ -245,7 +239,15 @@ struct Points {
     write_refusal(point, static_cast<int>(status));
     if (failed++ > 0) return;
     first_failed = point;
-    std::snprintf(first_fault, sizeof first_fault, "%s", reason(status, text));
+    tell_if_not_told(point, status, text);
+    std::snprintf(first_fault, sizeof first_fault, "%s", text);
+  }
+  // Why there is no result, unless the text says so already.
+  void tell_if_not_told(std::ptrdiff_t point, UpdateStatus status, abi::Text& text) const {
+    if (text[0]) return;
+    double number[MYOGROWTH_UNUSED + 1];
+    read(point, number);
+    abi::tell_why(status, number + MYOGROWTH_F, call.dt, text);
   }
 };
 
@@ -406,7 +408,7 @@ int myogrowth_update(const double* props, int n_props, const double F[9], const 
     call.n_state = abi::n_kept;  // with zeros for what is not there
     const UpdateStatus status = points.one(0, text);
     made = static_cast<int>(status);
-    reason(status, text);
+    if (status != UpdateStatus::ok) points.tell_if_not_told(0, status, text);
   }
   write_message(text, message, message_length);
   if (made != MYOGROWTH_OK) points.write_refusal(0, made);
@@ -472,8 +474,14 @@ int myogrowth_uniaxial(const double* props, int n_props, double stretch, const d
           return found == UpdateStatus::ok && !are_finite(results, 2) ? UpdateStatus::not_finite : found;
         });
     made = static_cast<int>(status);
-    reason(status, text);
-    if (status == UpdateStatus::ok) {
+    if (status != UpdateStatus::ok) {
+      const double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+      if (is_finite(stretch) && stretch > 0) {
+        abi::tell_why(status, F, dt, text);
+      } else {
+        abi::tell(text, "stretch = %.9g: must be > 0 and finite.", stretch);
+      }
+    } else {
       for (int i = abi::fibre_entry; i < abi::n_kept && abi::keeps_fibre(n_state); ++i)
         state[i] = state_in[i];
       const int n = abi::kept_entries(n_state);

@@ -19,6 +19,31 @@ inline void lower(double& factor, double to) {
   if (!(factor <= to)) factor = to;
 }
 
+/// Why a point has no result: names the entry of F, or dt, if it is that, and its value.
+inline void tell_why(UpdateStatus status, const double F[9], double dt, Text& text) {
+  if (status == UpdateStatus::inverted) {
+    const double det = determinant(F);
+    if (det <= 0) {  // else it is 0 to rounding
+      tell(text, "inverted: det F = %.9g: must be > 0.", det);
+      return;
+    }
+  }
+  if (status == UpdateStatus::not_finite) {
+    for (int i = 0; i < 9; ++i) {
+      if (is_finite(F[i])) continue;
+      tell(text, "not finite: F%d%d = %.9g: must be finite.", i % 3 + 1, i / 3 + 1, F[i]);
+      return;
+    }
+    if (is_finite(dt)) {
+      tell(text, "not finite: a result is beyond the range of double.");
+    } else {
+      tell(text, "not finite: dt = %.9g: must be finite.", dt);
+    }
+    return;
+  }
+  tell(text, "%s.", abi::text(status));
+}
+
 /// The sarcomere number a step starts from; a STATEV that knows nothing yet starts with 1.
 inline double number_at_start(const double* statev) { return statev[0] == 0 ? 1 : statev[0]; }
 

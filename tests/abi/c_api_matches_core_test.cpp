@@ -203,9 +203,9 @@ TEST(CApi, UniaxialSaysWhatItCannotTake) {
     double stretch, G, dt;
     int status;
     const char* words;
-  } cases[] = {{good, -1, 1, 0.1, MYOGROWTH_INVERTED, "inverted"},
-               {good, nan, 1, 0.1, MYOGROWTH_NOT_FINITE, "not finite"},
-               {good, 1.1, 1, nan, MYOGROWTH_NOT_FINITE, "not finite"},
+  } cases[] = {{good, -1, 1, 0.1, MYOGROWTH_INVERTED, "stretch = -1: must be > 0"},
+               {good, nan, 1, 0.1, MYOGROWTH_NOT_FINITE, "stretch = nan: must be > 0"},
+               {good, 1.1, 1, nan, MYOGROWTH_NOT_FINITE, "not finite: dt = nan"},
                {good, 1.1, -1, 0.1, MYOGROWTH_BAD_STATE, "STATEV(1) = -1"},
                {bad, 1.1, 1, 0.1, MYOGROWTH_BAD_PARAMETER, "PROPS(2) = -4"},
                {nullptr, 1.1, 1, 0.1, MYOGROWTH_BAD_ARGUMENT, "props = NULL"}};

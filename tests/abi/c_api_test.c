@@ -390,16 +390,18 @@ static void test_refusals(void) {
   for (int k = 0; k < 3; ++k) {
     const int m = measures[k];
     memcpy(F, sheared, sizeof F);
-    F[0] = NAN;
-    expect_refusal(MYOGROWTH_NOT_FINITE, "not finite", oblique, F, state, n_state, 0.1, m);
+    F[5] = INFINITY;
+    expect_refusal(MYOGROWTH_NOT_FINITE, "not finite: F32 = inf: must be finite.", oblique, F, state, n_state,
+                   0.1, m);
+    F[5] = 0;
     F[0] = 1e300;
-    expect_refusal(MYOGROWTH_NOT_FINITE, "not finite", oblique, F, state, n_state, 0.1, m);
-    F[0] = -1;
-    expect_refusal(MYOGROWTH_INVERTED, "det F", oblique, F, state, n_state, 0.1, m);
+    expect_refusal(MYOGROWTH_NOT_FINITE, "not finite: a result", oblique, F, state, n_state, 0.1, m);
     fill(F, 9, 0);
-    expect_refusal(MYOGROWTH_INVERTED, "det F", oblique, F, state, n_state, 0.1, m);
-    expect_refusal(MYOGROWTH_NOT_FINITE, "dt", oblique, sheared, state, n_state, NAN, m);
-    expect_refusal(MYOGROWTH_NOT_FINITE, "dt", oblique, sheared, state, n_state, INFINITY, m);
+    expect_refusal(MYOGROWTH_INVERTED, "det F = 0: must be > 0", oblique, F, state, n_state, 0.1, m);
+    F[0] = -2, F[4] = 1, F[8] = 3;
+    expect_refusal(MYOGROWTH_INVERTED, "det F = -6: must be > 0", oblique, F, state, n_state, 0.1, m);
+    expect_refusal(MYOGROWTH_NOT_FINITE, "dt = nan", oblique, sheared, state, n_state, NAN, m);
+    expect_refusal(MYOGROWTH_NOT_FINITE, "dt = inf", oblique, sheared, state, n_state, INFINITY, m);
 
     memcpy(bad, state, sizeof bad);
     bad[0] = -1;
