@@ -66,7 +66,9 @@ inline double* row_of(MyogrowthBlock& b, int row) { return b.number + row; }
 // What is not known yet takes its default, and n0 unit length. Packs are not made for numbers so large or
 // small that a product of a few is out of range: there, and where the host is at fault, an undeformed point
 // stands in the place, and check is NaN.
-void prepare(int n, MyogrowthBlock& b) {
+// Returns whether all points are ready.
+bool prepare(int n, MyogrowthBlock& b) {
+  bool all_are_ready = true;
   const P zero(0.0), one(1.0), nan(std::numeric_limits<double>::quiet_NaN());
   for (int k = 0; k < n; k += lanes) {
     const auto load = [&](int row) { return P::load(row_of(b, row) + k); };
@@ -106,36 +108,57 @@ void prepare(int n, MyogrowthBlock& b) {
     store(select(can & (stretch > zero), stretch, one), myogrowth_row_lambda);
     store(select(can, zero, nan), myogrowth_row_check);
     if (!any(!can)) continue;
+    all_are_ready = false;
     for (int c = 0; c < 9; ++c)
       store(select(can, load(myogrowth_row_F + c * points), c % 4 == 0 ? one : zero),
             myogrowth_row_F + c * points);
   }
+  return all_are_ready;
 }
 
 constexpr int n_stress(Measure measure) { return measure == Measure::first_piola ? 9 : 6; }
 
-// is_direct: the tangents go to the host's array, and not to rows.
+// An output of the host's, from the block's first point on.
+template <int size>
+batch::Aos<double, size> array_of(const MyogrowthBlock& b, int o) {
+  return batch::aos<size>(b.out[o].data + b.first * b.out[o].step, b.out[o].step);
+}
+
+// is_direct: stresses and tangents go to the host's arrays, and not to rows. Returns whether all points have
+// got their results, and tells of each by its check.
 template <Tangent tangent, Measure measure, bool is_direct = false>
-void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
+bool update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
   constexpr int n_tangent = tangent == Tangent::none ? 0 : n_stress(measure) * n_stress(measure);
   const auto row = [&b](int r) { return batch::soa(row_of(b, r), points); };
+  const auto stresses = [&] {
+    if constexpr (is_direct)
+      return array_of<n_stress(measure)>(b, b.stress);
+    else
+      return row(myogrowth_row_stress);
+  }();
   const auto tangents = [&] {
-    if constexpr (is_direct) {
-      const myogrowth_output& to = b.out[b.direct];
-      return batch::aos<n_tangent>(to.data + b.first * to.step, to.step);
-    } else {
+    if constexpr (is_direct && tangent == Tangent::full)
+      return array_of<n_tangent>(b, b.tangent);
+    else
       return row(myogrowth_row_tangent);
-    }
   }();
   const batch::Input<batch::Soa<double>, batch::Soa<double>, batch::Soa<double>, batch::Shared<double>,
                      batch::Soa<double>>
       in{row(myogrowth_row_F), row(myogrowth_row_n0), row(myogrowth_row_G), batch::shared(&b.dt),
          row(myogrowth_row_lambda)};
-  const batch::Output<batch::Soa<double>, batch::Soa<double>, std::decay_t<decltype(tangents)>,
+  const batch::Output<std::decay_t<decltype(stresses)>, batch::Soa<double>, std::decay_t<decltype(tangents)>,
                       batch::Soa<double>>
-      out{row(myogrowth_row_stress), row(myogrowth_row_G_end), tangents, row(myogrowth_row_G_end + points)};
-  update_batch<tangent, measure>(material, n, in, out);
-
+      out{stresses, row(myogrowth_row_G_end), tangents, row(myogrowth_row_G_end + points)};
+  const bool all_have = update_batch<tangent, measure>(material, n, in, out) == 0;
+  // Of numbers that packs can take, the results overflow only where det F, by which they are divided, is
+  // close to zero.
+  const P least_J(1e-3);
+  if constexpr (is_direct) {
+    auto far = P(0.0) == P(0.0);
+    for (int k = 0; k < n; k += lanes) far = far & (P::load(row_of(b, myogrowth_row_J) + k) > least_J);
+    return all_have && !any(!far);
+  }
+  P all(0.0);
   for (int k = 0; k < n; k += lanes) {
     const auto load = [&](int r) { return P::load(row_of(b, r) + k); };
     P sum = load(myogrowth_row_check), other(0.0);  // (two that do not wait for each other)
@@ -148,16 +171,12 @@ void update(const FibreGrowth<double>& material, int n, MyogrowthBlock& b) {
     };
     add(myogrowth_row_G_end, 6);
     add(myogrowth_row_stress, n_stress(measure));
-    // The tangent of numbers that packs can take overflows only where det F, by which it is divided, is close
-    // to zero.
-    const P J = load(myogrowth_row_G_end + 3 * points);
-    if (is_direct) {
-      sum = select(J > P(1e-3), sum, P(std::numeric_limits<double>::quiet_NaN()));
-    } else if (any(!(J > P(1e-3)))) {
-      add(myogrowth_row_tangent, n_tangent);
-    }
-    ((sum + other) * P(0.0)).store(row_of(b, myogrowth_row_check) + k);
+    if (any(!(load(myogrowth_row_J) > least_J))) add(myogrowth_row_tangent, n_tangent);
+    const P check = (sum + other) * P(0.0);
+    check.store(row_of(b, myogrowth_row_check) + k);
+    all = all + check;
   }
+  return !any(!(all == P(0.0)));
 }
 
 }  // namespace
@@ -173,30 +192,22 @@ extern "C" void MYOGROWTH_UPDATE_BLOCK(const void* bytes, int n, int measure, in
   for (int r = 0; r < myogrowth_row_stress; r += points) {  // the last point again, to fill a register
     for (int k = n; k < whole; ++k) row_of(b, r)[k] = row_of(b, r)[n - 1];
   }
-  prepare(whole, b);
-  const auto all_are_good = [&] {
-    P all(0.0);
-    for (int k = 0; k < whole; k += lanes) all = all + P::load(row_of(b, myogrowth_row_check) + k);
-    return !any(!(all == P(0.0)));
-  };
-  using Update = void(const FibreGrowth<double>&, int, MyogrowthBlock&);
+  const bool all_are_ready = prepare(whole, b);
+  using Update = bool(const FibreGrowth<double>&, int, MyogrowthBlock&);
   static constexpr Update* updates[3][2] = {
       {update<Tangent::none, Measure::cauchy>, update<Tangent::full, Measure::cauchy>},
       {update<Tangent::none, Measure::first_piola>, update<Tangent::full, Measure::first_piola>},
       {update<Tangent::none, Measure::second_piola>, update<Tangent::full, Measure::second_piola>}};
-  int written = -1;
-  {
-    static constexpr Update* direct_updates[3] = {update<Tangent::full, Measure::cauchy, true>,
-                                                  update<Tangent::full, Measure::first_piola, true>,
-                                                  update<Tangent::full, Measure::second_piola, true>};
-    if (b.direct >= 0 && n == whole && all_are_good()) {
-      direct_updates[measure](material, n, b);
-      if (all_are_good()) written = b.direct;
-    }
-  }
-  if (written < 0) updates[measure][with_tangent](material, whole, b);
-  b.is_given = b.n_out > 0 && all_are_good();
+  static constexpr Update* direct_updates[3][2] = {
+      {update<Tangent::none, Measure::cauchy, true>, update<Tangent::full, Measure::cauchy, true>},
+      {update<Tangent::none, Measure::first_piola, true>, update<Tangent::full, Measure::first_piola, true>},
+      {update<Tangent::none, Measure::second_piola, true>,
+       update<Tangent::full, Measure::second_piola, true>}};
+  const bool is_direct = b.stress >= 0 && (!with_tangent || b.tangent >= 0) && n == whole && all_are_ready &&
+                         direct_updates[measure][with_tangent](material, n, b);
+  const bool all_have = is_direct || updates[measure][with_tangent](material, whole, b);
+  b.is_given = b.n_out > 0 && all_have;
   for (int i = 0; i < b.n_out && b.is_given; ++i) {
-    if (i != written) turn(b.out[i], b.first, n, b.number);
+    if (!is_direct || (i != b.stress && i != b.tangent)) turn(b.out[i], b.first, n, b.number);
   }
 }

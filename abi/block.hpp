@@ -24,6 +24,7 @@ enum MyogrowthRow {
   myogrowth_row_stress = myogrowth_row(MYOGROWTH_STRESS),
   myogrowth_row_tangent = myogrowth_row(MYOGROWTH_TANGENT),
   myogrowth_row_G_end = myogrowth_row(MYOGROWTH_G_END),
+  myogrowth_row_J = myogrowth_row(MYOGROWTH_J),
   myogrowth_row_psi = myogrowth_row(MYOGROWTH_ENERGY),
   myogrowth_row_check =
       myogrowth_row(MYOGROWTH_UNUSED + 1),  ///< 0 if all that comes out, and its sum, is finite
@@ -41,7 +42,7 @@ struct MyogrowthBlock {
   int n_in, n_out;
   const myogrowth_input* in;  ///< of all points of the call
   const myogrowth_output* out;
-  int direct;            ///< index of the only output of the tangent, if that is whole and in order, or -1
+  int stress, tangent;   ///< index of its only output, if that is whole and in its order, or -1
   std::ptrdiff_t first;  ///< which of them is the block's first
 };
 

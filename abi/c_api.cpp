@@ -83,7 +83,7 @@ struct Arrays {
   int n_out;
   bool state_is_known;
   int* status;
-  int direct;  ///< index of the only output of the tangent, if that is whole and in its order, or -1
+  int stress, tangent;  ///< index of its only output, if that is whole and in its order, or -1
 };
 
 constexpr int n_entries_in = MYOGROWTH_STRESS;  // the first ones
@@ -107,7 +107,7 @@ int entry_at_start(int entry) {
 struct OneAfterTheOther {
   myogrowth_input in[2];
   myogrowth_output out[4];
-  Arrays arrays{in, 0, out, 0, false, nullptr, -1};
+  Arrays arrays{in, 0, out, 0, false, nullptr, -1, -1};
   const double* carried_from = nullptr;
   double* carried_to = nullptr;
   int n_state = 0, n_carried = 0;
@@ -131,8 +131,9 @@ struct OneAfterTheOther {
     const auto give = [this](double* data, std::ptrdiff_t step, int size, const int* entry) {
       if (data && size > 0) out[arrays.n_out++] = {data, step, size, entry};
     };
+    if (stress) arrays.stress = arrays.n_out;
     give(stress, n_stress, n_stress, of_stress.tensor);
-    if (tangent) arrays.direct = arrays.n_out;
+    if (tangent) arrays.tangent = arrays.n_out;
     give(tangent, n_stress * n_stress, n_stress * n_stress, of_tangent.tensor);
     give(energy, 1, n_stress > 0 ? 1 : 0, &of_energy);
     if (n < 1) return;
@@ -175,7 +176,7 @@ struct Points {
     b.is_known = a.state_is_known;
     b.in = a.in, b.n_in = a.n_in;
     b.out = a.out, b.n_out = a.n_out;
-    b.direct = a.direct;
+    b.stress = a.stress, b.tangent = a.tangent;
   }
   void load(int, int, MyogrowthBlock& b) const {
     for (int m = 0; m < n_missing; ++m) {
@@ -332,6 +333,23 @@ bool overlap(const Array& a, const myogrowth_output& b, std::ptrdiff_t n_points)
   return false;
 }
 
+// The output that has all entries from `first` on, in their order, if no other has one of them; else -1.
+// (What is written directly is in no row of the block, from where others would have it.)
+int sole_output(const Arrays& a, int first, int size) {
+  int found = -1, outputs = 0;
+  for (int o = 0; o < a.n_out; ++o) {
+    bool has_some = false, is_whole = a.out[o].size == size;
+    for (int c = 0; c < a.out[o].size; ++c) {
+      const int which = a.out[o].entry[c] - first;
+      has_some = has_some || (which >= 0 && which < size);
+      is_whole = is_whole && which == c;
+    }
+    outputs += has_some;
+    if (is_whole) found = o;
+  }
+  return outputs == 1 ? found : -1;
+}
+
 // The same for all of them.
 bool find_fault(Arrays& a, int n_points, Call& call, abi::Text& text) {
   bool is_there[MYOGROWTH_UNUSED + 1] = {};
@@ -341,13 +359,12 @@ bool find_fault(Arrays& a, int n_points, Call& call, abi::Text& text) {
     if (is_input) is_there[entry] = true;
     return is_input;
   };
-  const int n_stress = myogrowth_stress_size(call.measure), n_tangent = n_stress * n_stress;
-  const auto is_of_tangent = [n_tangent](int entry) {
-    return entry >= MYOGROWTH_TANGENT && entry < MYOGROWTH_TANGENT + n_tangent;
-  };
+  const int n_stress = myogrowth_stress_size(call.measure);
   const auto comes_out = [&](int entry) {
-    call.with_tangent = call.with_tangent || is_of_tangent(entry);
-    return is_of_tangent(entry) || (entry >= MYOGROWTH_N0 && entry < MYOGROWTH_STRESS + n_stress) ||
+    const int of_tangent = entry - MYOGROWTH_TANGENT;
+    const bool is_of_tangent = of_tangent >= 0 && of_tangent < n_stress * n_stress;
+    call.with_tangent = call.with_tangent || is_of_tangent;
+    return is_of_tangent || (entry >= MYOGROWTH_N0 && entry < MYOGROWTH_STRESS + n_stress) ||
            (entry >= MYOGROWTH_G_END && entry <= MYOGROWTH_ENERGY);
   };
   if (find_array_fault("in", a.in, a.n_in, n_points, comes_in, text) ||
@@ -358,16 +375,9 @@ bool find_fault(Arrays& a, int n_points, Call& call, abi::Text& text) {
       return abi::tell(text, "F%d%d: is in no array of in: all of F is needed.", c % 3 + 1, c / 3 + 1);
   }
   call.n_state = is_there[MYOGROWTH_LAMBDA] ? abi::n_kept : 1;
-  int tangents = 0;
+  a.stress = sole_output(a, MYOGROWTH_STRESS, n_stress);
+  a.tangent = sole_output(a, MYOGROWTH_TANGENT, n_stress * n_stress);
   for (int o = 0; o < a.n_out; ++o) {
-    int of_tangent = 0, in_order = 0;
-    for (int c = 0; c < a.out[o].size; ++c) {
-      of_tangent += is_of_tangent(a.out[o].entry[c]);
-      in_order += a.out[o].entry[c] == MYOGROWTH_TANGENT + c;
-    }
-    // (What is written directly is in no row of the block, from where other outputs would have it.)
-    const bool is_whole = in_order == a.out[o].size && in_order == n_tangent;
-    if (of_tangent > 0) a.direct = tangents++ == 0 && is_whole ? o : -1;
     for (int i = 0; i < a.n_in; ++i) {
       if (overlap(a.in[i], a.out[o], n_points))
         return abi::tell(text, "out[%d] overlaps in[%d]: only the state may be written where it is read.", o,
@@ -439,7 +449,7 @@ int myogrowth_update_strided(int n_points, const double* props, int n_props, con
   if (n_points <= 0) return 0;
   abi::Text text = "";
   Call call = call_of(0, dt, measure, false);
-  Arrays arrays{in, n_in, out, n_out, state_is_known != 0, status, -1};
+  Arrays arrays{in, n_in, out, n_out, state_is_known != 0, status, -1, -1};
   int fault = MYOGROWTH_OK;
   if (find_fault(arrays, n_points, call, text)) {
     fault = MYOGROWTH_BAD_ARGUMENT;

@@ -128,7 +128,7 @@ void update_many(const Common& c, int first, int last, Host& host) {
       c.properties.material.integration == TimeIntegration::midpoint_flow || c.properties.tolerance > 0;
   block.is_known = block.is_given = false;
   block.n_in = block.n_out = 0;
-  block.direct = -1;
+  block.stress = block.tangent = -1;
   host.describe(block);
   for (int i = 0; i < 3; ++i) block.fibre[i] = c.properties.n0[i];
   Text text;

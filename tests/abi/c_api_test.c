@@ -631,32 +631,41 @@ static void test_strided_is_update_n(int m) {
             p[at_tangent + n * n] == -777);
     }
   }
-  { /* the tangent twice, and some of it once more: whole registers of points, none of which fails */
+  { /* stress and tangent twice, and some of them once more: whole registers of points, none of which fails */
     enum { first = inverted_one + 1, count = 32 };
-    static double tangents[2][count * 81], some[count * 3];
-    const int of_some[3] = {MYOGROWTH_TANGENT + n, MYOGROWTH_ENERGY, MYOGROWTH_TANGENT};
+    static double tangents[2][count * 81], stresses[2][count * 9], some[count * 4];
+    const int of_some[4] = {MYOGROWTH_TANGENT + n, MYOGROWTH_ENERGY, MYOGROWTH_TANGENT, MYOGROWTH_STRESS + 1};
     const double one = 1;
     const struct myogrowth_input in[] = {{F_all + 9 * first, 9, 9, entry + MYOGROWTH_F},
                                          {&one, 0, 1, entry + MYOGROWTH_G}};
     const struct myogrowth_output all[] = {{tangents[0], n * n, n * n, entry + MYOGROWTH_TANGENT},
                                            {tangents[1], n * n, n * n, entry + MYOGROWTH_TANGENT},
-                                           {some, 3, 3, of_some}};
+                                           {some, 4, 4, of_some},
+                                           {stresses[0], n, n, entry + MYOGROWTH_STRESS},
+                                           {tangents[0], n * n, n * n, entry + MYOGROWTH_TANGENT},
+                                           {stresses[1], n, n, entry + MYOGROWTH_STRESS}};
     const struct myogrowth_output swapped[] = {all[2], all[0]};
     const struct {
       const struct myogrowth_output* out;
       int n_out;
-    } ways[] = {{all, 3}, {all, 2}, {all, 1}, {all + 1, 2}, {all + 2, 1}, {swapped, 2}};
-    for (int way = 0; way < 6; ++way) {
+    } ways[] = {{all, 3},     {all, 2},     {all, 1},     {all + 1, 2}, {all + 2, 1}, {swapped, 2},
+                {all + 1, 3}, {all + 2, 2}, {all + 2, 3}, {all + 3, 1}, {all + 3, 2}, {all + 3, 3}};
+    for (int way = 0; way < 12; ++way) {
       const struct myogrowth_output* const out = ways[way].out;
       const int n_out = ways[way].n_out;
       fill(tangents[0], 2 * count * 81, -777);
-      fill(some, count * 3, -777);
+      fill(stresses[0], 2 * count * 9, -777);
+      fill(some, count * 4, -777);
       CHECK(myogrowth_update_strided(count, oblique, 11, in, 2, 0.1, m, out, n_out, 0, NULL, NULL, 0) == 0);
       for (int o = 0; o < n_out; ++o) {
         for (int k = 0; k < count; ++k) {
           const double *of_all = tangent_all + n * n * (first + k), *x = out[o].data + k * out[o].step;
-          if (out[o].size == 3)
-            CHECK(x[0] == of_all[n] && x[1] == energy_all[first + k] && x[2] == of_all[0]);
+          const double* of_stress = stress_all + n * (first + k);
+          if (out[o].size == 4)
+            CHECK(x[0] == of_all[n] && x[1] == energy_all[first + k] && x[2] == of_all[0] &&
+                  x[3] == of_stress[1]);
+          else if (out[o].size == n)
+            CHECK(memcmp(x, of_stress, (size_t)n * sizeof(double)) == 0);
           else
             CHECK(memcmp(x, of_all, (size_t)(n * n) * sizeof(double)) == 0);
         }

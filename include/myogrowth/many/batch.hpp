@@ -77,16 +77,19 @@ struct Points<V, N, Aos<W, components>> {
     for (int lane = 0; lane < N; ++lane) p.set(lane, data[lane * step + c]);
     return p;
   }
-  /// Components come in their order.
+  /// Components come in their order. Four are written at once; the last four again, where fewer are left.
   void store(int c, const Pack<V, N>& p) const {
-    if constexpr (turns<V, N>) {
-      if (c < components / 4 * 4) {
-        waiting[c % 4] = p;
-        if (c % 4 == 3) store_side_by_side(waiting, data + c - 3, step);
-        return;
+    if constexpr (turns<V, N> && components >= 4) {
+      waiting[c % 4] = p;
+      if (c % 4 == 3) {
+        store_side_by_side(waiting, data + c - 3, step);
+      } else if (c == components - 1) {
+        const Pack<V, N> last[4] = {waiting[(c + 1) % 4], waiting[(c + 2) % 4], waiting[(c + 3) % 4], p};
+        store_side_by_side(last, data + c - 3, step);
       }
+    } else {
+      for (int lane = 0; lane < N; ++lane) data[lane * step + c] = p[lane];
     }
-    for (int lane = 0; lane < N; ++lane) data[lane * step + c] = p[lane];
   }
 };
 template <class V, int N>
