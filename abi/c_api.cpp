@@ -311,7 +311,8 @@ bool overlap(const Array& a, const myogrowth_output& b, std::ptrdiff_t n_points)
   // Whether some of `size` bytes from `at` on are those of some point of b.
   const auto meets = [&](Place at, Place size) {
     const Place s = b_step < 0 ? -b_step : b_step, from = b_step < 0 ? at - last * b_step : at;  // in order
-    Place point = s == 0 || from < b_size ? 0 : (from - b_size) / s + 1;  // the first that ends behind `at`
+    // The first that ends behind `at`; a step of 0 is that of an only point.
+    const Place point = from < b_size ? 0 : s == 0 ? n_points : (from - b_size) / s + 1;
     return point <= last && point * s < from + size;
   };
   if (last > 0 && a_step != b_step) {

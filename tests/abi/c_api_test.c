@@ -704,6 +704,14 @@ static void test_strided(void) {
   CHECK(status[0] == MYOGROWTH_OK && status[1] == MYOGROWTH_BAD_STATE);
   CHECK(end[0] > 1.02 && memcmp(end + 5, start + 5, 5 * sizeof(double)) == 0);
   CHECK(all_nan(rest + 4, 4) && all_nan(P + 9, 9) && isfinite(P[0] + rest[0]));
+  /* an only point may have any step, its state in place too */
+  double only[5];
+  memcpy(only, start, sizeof only);
+  const struct myogrowth_input one_in[] = {{F, 0, 9, entry + MYOGROWTH_F}, {only, 0, 5, entry + MYOGROWTH_G}};
+  const struct myogrowth_output one_out[] = {{only, 0, 1, of_end}};
+  CHECK(myogrowth_update_strided(1, oblique, 11, one_in, 2, 0.1, MYOGROWTH_FIRST_PIOLA, one_out, 1, 1, NULL,
+                                 message, message_length) == 0);
+  CHECK(only[0] == end[0] && memcmp(only + 1, start + 1, 4 * sizeof(double)) == 0);
   /* what is wrong with props is wrong for all */
   CHECK(myogrowth_update_strided(2, table_1, 5, in, 2, 0.1, MYOGROWTH_FIRST_PIOLA, out, 3, 1, status, message,
                                  message_length) == 2);
