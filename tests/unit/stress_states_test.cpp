@@ -1,5 +1,7 @@
 // Plane stress and uniaxial stress: the free stretch, and the condensed tangents.
 #include <gtest/gtest.h>
+#include <myogrowth/elastic/ehret.hpp>
+#include <myogrowth/elastic/fibre_growth_of.hpp>
 #include <myogrowth/material.hpp>
 #include <myogrowth/more/stress_states.hpp>
 
@@ -194,6 +196,32 @@ TEST(FreeStretch, SaysThatItHasNotConverged) {
   };
   x = 1;
   EXPECT_EQ(detail::free_stretch(x, jumps), UpdateStatus::not_converged);
+}
+
+// Law 3's volume term is a power of up to millions: Newton's steps are tiny on one side of the root, and a
+// few percent away there is no number any more.
+TEST(StressStates, OfAStiffLawAreFoundFromAnywhere) {
+  FibreGrowthOf<Ehret<>> m;
+  const double n0[3] = {1, 0, 0}, G = 0.9;
+  for (const double kappa : {1e2, 1e4, 1e6}) {
+    m.elastic.kappa = kappa;
+    for (const double stretch : {0.3, 0.5, 0.9, 0.98, 1.1, 1.5, 3.0}) {
+      for (const double start : {0.0, 0.3, 1.1, 3.0}) {
+        for (const double activation : {0.0, 1.0}) {
+          for (const double dt : {0.0, 100.0}) {
+            SCOPED_TRACE(testing::Message() << kappa << " " << stretch << " " << start << " " << activation);
+            ElasticPointUpdate<double> u;
+            double side = start, thickness = start, slope, c[9];
+            const double F[4] = {stretch, 0, 0.1, 1 / std::sqrt(stretch)};
+            ASSERT_EQ(uniaxial_stress(m, stretch, G, 1.0, dt, side, u, slope, activation), UpdateStatus::ok);
+            EXPECT_LE(std::abs(u.tau[1]), 1e-9 * u.elastic[7]);
+            ASSERT_EQ(plane_stress(m, F, n0, G, 1.0, dt, thickness, u, c, activation), UpdateStatus::ok);
+            EXPECT_LE(std::abs(u.tau[2]), 1e-9 * u.elastic[14]);
+          }
+        }
+      }
+    }
+  }
 }
 
 TEST(UniaxialStress, FreesTheSidesAndCondensesTheSlope) {

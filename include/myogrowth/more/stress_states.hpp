@@ -17,48 +17,71 @@ namespace myogrowth {
 
 namespace detail {
 
-/// Finds the stretch x > 0 at which a stress vanishes that grows with it, starting from x.
+/// Finds the stretch x > 0 at which a stress vanishes that grows with it, starting from x, or from
+/// second_start where a stiff law has no result at x.
 /// evaluate(x, stress, slope) gives the stress and its derivative with respect to ln x. On return the last
 /// evaluation was made at the stretch found; not_converged if 200 do not find it. Newton's method, halving
 /// the bracket where that does not do better: the stress has a kink where growth sets in, and is almost flat
-/// while growth takes up all of the stretch.
+/// while growth takes up all of the stretch. Where there is no bracket yet and Newton's steps stay small, as
+/// with a stress like x^-n, they are doubled.
 template <class T, class Evaluate>
-MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate) {
+MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate, const T& second_start = T(1)) {
   using V = Real<T>;
   // Quadratic convergence: after a step of this size rounding is left, and derivatives lag one step behind.
   const V negligible = sqrt(last_place<V>());
   int steps_left = std::is_same<T, V>::value ? 1 : 2;
   V low(0), high(0), last_size(1), last_good(0);  // 0: not known yet
+  V last_newton(0), stride(0), widening(0);
+  bool is_stiff = false;
   UpdateStatus failure = UpdateStatus::not_converged;
   for (int iteration = 0; iteration < 200; ++iteration) {
     T stress, slope;
     const UpdateStatus status = evaluate(x, stress, slope);
-    if (status == UpdateStatus::not_finite && last_good > 0 && steps_left > 0) {
-      // A stiff law left the range of the scalar on the way: back towards where there was a result.
+    if (status == UpdateStatus::not_finite && steps_left > 0 && widening <= V(1)) {
+      // A stiff law left the range of the scalar: back towards where there was a result. Where there was none
+      // yet, from the second start on to larger stretches.
       failure = status;
-      x = T(sqrt(value(x)) * sqrt(last_good));
+      if (last_good > 0) {
+        x = T(sqrt(value(x)) * sqrt(last_good));
+      } else {
+        x = widening > 0 ? T(x * (V(1) + widening)) : second_start;
+        widening = widening > 0 ? 2 * widening : V(1) / 64;
+      }
       last_size = V(1);
       continue;
     }
     if (status != UpdateStatus::ok || steps_left == 0) return status;
     last_good = value(x);
+    widening = V(0);
     (value(stress) > 0 ? high : low) = value(x);
     const T step = -stress / slope;
     const V size = value(step) < 0 ? -value(step) : value(step);
     if (size <= negligible) {
-      --steps_left;
-      x = x * (V(1) + step);
+      // A stiff law needs one step more. Its error: the step squared, times what the last two say, or at
+      // most.
+      const V curvature = last_newton > 0 ? size / (last_newton * last_newton) : V(1e6);
+      if (!is_stiff && curvature * size * size > last_place<V>() / 4) {
+        is_stiff = true;
+      } else {
+        --steps_left;
+      }
+      x = x + x * step;  // (not x (1 + step), whose rounding a stiff law shows)
       continue;
     }
     const T next = x * (V(1) + step);
     const bool inside = value(next) > low && (value(next) < high || high == 0);
     const bool bracketed = low > 0 && high > 0;
+    const bool slow = !bracketed && last_newton > 0 && size > last_newton / 2;
+    stride = slow ? 2 * (size > stride ? size : stride) : V(0);
+    if (stride > 1) stride = V(1);
+    last_newton = size;
     if (value(slope) > 0 && inside && size <= (bracketed ? last_size / 2 : V(1))) {
-      x = next;
+      x = !(stride > size) ? next : value(step) > 0 ? T(x * (V(1) + stride)) : T(x / (V(1) + stride));
       last_size = size;
     } else {
       const V middle = bracketed ? sqrt(low) * sqrt(high) : high == 0 ? low * 2 : high / 2;
       last_size = bracketed ? high / low - 1 : V(1);
+      last_newton = V(0);
       x = T(middle);
     }
   }
@@ -83,14 +106,16 @@ MYOGROWTH_FUNCTION UpdateStatus plane_stress(const Material& material, const T F
   T full[36];
   const auto modulus = [&](int row, int column) { return full[row + 6 * column]; };
   T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
-  const UpdateStatus status = detail::free_stretch(x, [&](const T& F33, T& stress, T& slope) {
+  const T isochoric = G_n / (F[0] * F[3] - F[1] * F[2]);  // no change of the elastic volume
+  const auto evaluate = [&](const T& F33, T& stress, T& slope) {
     const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
     const UpdateStatus made = update_point(material, F3, n0, G_n, lambda_n, dt, u, activation...);
     spatial_modulus(u, full);
     stress = u.tau[2];
     slope = modulus(2, 2);
     return made;
-  });
+  };
+  const UpdateStatus status = detail::free_stretch(x, evaluate, isochoric);
   if (status != UpdateStatus::ok) {
     detail::fail(status, G_n, u);
     for (int i = 0; i < 9; ++i) c[i] = u.tau[0];  // NaN
@@ -122,14 +147,16 @@ MYOGROWTH_FUNCTION UpdateStatus uniaxial_stress(const Material& material, const 
   T c[36];
   const auto modulus = [&](int row, int column) { return c[row + 6 * column]; };
   T x = value(lateral) > 0 && is_finite(lateral) ? lateral : T(V(1));
-  const UpdateStatus status = detail::free_stretch(x, [&](const T& side, T& stress, T& dstress) {
+  const T isochoric = sqrt(T(G_n / stretch));
+  const auto evaluate = [&](const T& side, T& stress, T& dstress) {
     const T F[9] = {stretch, zero, zero, zero, side, zero, zero, zero, side};
     const UpdateStatus made = update_point(material, F, n0, G_n, lambda_n, dt, u, activation...);
     spatial_modulus(u, c);
     stress = u.tau[1];
     dstress = modulus(1, 1) + modulus(1, 2);
     return made;
-  });
+  };
+  const UpdateStatus status = detail::free_stretch(x, evaluate, isochoric);
   if (status != UpdateStatus::ok) {
     detail::fail(status, G_n, u);
     slope = u.tau[0];  // NaN
