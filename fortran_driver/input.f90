@@ -1,7 +1,7 @@
 ! What a run is asked to do: the namelist groups of the input file, their defaults and their checks.
 module input
   use, intrinsic :: iso_fortran_env, only: dp => real64
-  use namelist_file, only: group, read_groups, most_values
+  use namelist_file, only: group, read_groups
   use text, only: exact, lower, str
   implicit none
   private
@@ -142,12 +142,13 @@ contains
     type(settings), intent(inout) :: s
     real(dp), allocatable :: first(:)
     character(len=:), allocatable :: cmname
+    integer, parameter :: most_states = 10000
     integer :: nstatv
 
     call g%check_names([character(len=14) :: 'props', 'nstatv', 'statev_initial', 'statev_names', 'umat_file', 'cmname'])
     call g%numbers('props', s%props)
     nstatv = size(s%statev_initial)
-    call g%whole('nstatv', 0, most_values, nstatv)
+    call g%whole('nstatv', 0, most_states, nstatv)
     allocate (first(0))
     call g%numbers('statev_initial', first)
     call require(g, size(first) <= nstatv, 'statev_initial', 'has '//str(size(first))// &

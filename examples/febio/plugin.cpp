@@ -16,6 +16,7 @@
 #include <FECore/version.h>
 #include <FECore/writeplot.h>
 #include <myogrowth/elastic/fibre_growth_of.hpp>
+#include <myogrowth/version.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -369,6 +370,12 @@ void register_state() {
 }  // namespace
 
 extern "C" FECORE_EXPORT unsigned int GetSDKVersion() { return FE_SDK_VERSION; }
+
+extern "C" FECORE_EXPORT void GetPluginVersion(int& major, int& minor, int& patch) {
+  major = MYOGROWTH_VERSION_MAJOR;
+  minor = MYOGROWTH_VERSION_MINOR;
+  patch = MYOGROWTH_VERSION_PATCH;
+}
 
 extern "C" FECORE_EXPORT void PluginInitialize(FECoreKernel& kernel) {
   FECoreKernel::SetInstance(&kernel);

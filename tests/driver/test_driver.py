@@ -648,7 +648,7 @@ class InputErrors(unittest.TestCase):
         self.expect("&solver max_cutbacks = 1.5 /\n", "max_cutbacks = 1.5: must be one whole number")
         self.expect("&solver symmetrise = fast /\n", "symmetrise = fast: must be .true. or .false.")
         self.expect("&material nstatv = -1 /\n", "nstatv = -1: must be >= 0")
-        self.expect("&material nstatv = 2000000000 /\n", "nstatv = 2000000000: must be <= 1000")
+        self.expect("&material nstatv = 2000000000 /\n", "nstatv = 2000000000: must be <= 10000")
         self.expect("&element size = 1, 1, 1e-300 /\n", "every edge length must be 1e-6 to 1e6")
         self.expect("&element size = 1,0 1,0 1,0 /\n", "must be three numbers, found 6")
         self.expect("&face name = 'x+' time = 0, 1e16 value = 0, 1 /\n", "every time must be -1e12 to 1e12")

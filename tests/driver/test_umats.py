@@ -346,6 +346,12 @@ class Sources(Folder):
             self.assertRegex(done.stderr, "case.nml:1: &material: ")
             self.assertIn(message, done.stderr)
 
+    def test_thousands_of_states(self):
+        source = self.write("umat.f90", UMAT.format(include=INCLUDE, more="statev(nstatv) = 5"))
+        done = self.run_umat(source, self.PULL.replace("nstatv = 1 ", "nstatv = 3000 ").format(more=""))
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual((self.rows[-1]["SDV2999"], self.rows[-1]["SDV3000"]), (0, 5))
+
     def test_too_few_states_and_properties(self):
         done = self.run_umat(self.write("umat.f90", UMAT.format(include=INCLUDE, more="statev(200) = 1")), self.PULL.format(more=""))
         self.assertEqual(done.returncode, 1)

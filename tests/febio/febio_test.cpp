@@ -9,6 +9,7 @@
 #include "febio_like.hpp"
 
 extern "C" unsigned int GetSDKVersion();
+extern "C" void GetPluginVersion(int& major, int& minor, int& patch);
 extern "C" void PluginInitialize(FECoreKernel&);
 
 namespace {
@@ -64,6 +65,10 @@ struct Host {
 
 TEST(Febio, StressStateAndTangent) {
   EXPECT_EQ(GetSDKVersion(), FE_SDK_VERSION);
+  int version[3] = {-1, -1, -1};
+  GetPluginVersion(version[0], version[1], version[2]);
+  EXPECT_EQ(std::vector<int>(version, version + 3),
+            (std::vector<int>{MYOGROWTH_VERSION_MAJOR, MYOGROWTH_VERSION_MINOR, MYOGROWTH_VERSION_PATCH}));
   Host host;
   myogrowth::State<> exact;
   exact.n0 = {0.6, 0.48, 0.64};
