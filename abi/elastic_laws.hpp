@@ -49,8 +49,8 @@ struct LawTables {
         {"g2", "-", "passive curve, exponent", Roehrle<>().g2, Allowed::positive}}},
       {"Blemker",
        11,
-       {{"G1", "stress", "shear along the fibre", Blemker<>().G1, Allowed::positive},
-        {"G2", "stress", "shear across the fibre", Blemker<>().G2, Allowed::positive},
+       {{"G1", "stress", "shear along the fibre; tendon: 50", Blemker<>().G1, Allowed::positive},
+        {"G2", "stress", "shear across the fibre; tendon: 50", Blemker<>().G2, Allowed::positive},
         {"kappa", "stress", "resistance to volume change", Blemker<>().kappa, Allowed::positive},
         {"sigma_max", "stress", "largest isometric stress of muscle", Blemker<>().sigma_max,
          Allowed::not_negative},
@@ -179,8 +179,8 @@ bool find_law_fault(const R* props, int nprops, bool has_fields, Properties& pro
                 activation_entry + 1);
   }
   if (!choice.by_field && !take_activation(given, choice)) {
-    return tell(text, "PROPS(%d) = %.*g: activation, must be >= 0 and <= 1, or -1 for field variable 1.",
-                activation_entry + 1, digits<R>(), static_cast<double>(given));
+    return tell(text, "PROPS(%d) = %.*g: activation, must be >= 0 and <= 1%s.", activation_entry + 1,
+                digits<R>(), static_cast<double>(given), has_fields ? ", or -1 for field variable 1" : "");
   }
   const int n_given = nprops > first_law_parameter ? nprops - first_law_parameter : 0;
   return find_parameter_fault(props + nprops - n_given, n_given, first_law_parameter, choice, text);
@@ -205,11 +205,17 @@ bool find_call_fault(const char* where, const char* name, const R* props, int np
          find_stretch_fault(name, nstatev, properties, text);
 }
 
-/// The laws from their entries.
+/// The laws from their entries, and the entries of law 2 from the law.
 /// @{
 inline Roehrle<> roehrle_of(const double* p) { return {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]}; }
 inline Blemker<> blemker_of(const double* p) {
   return {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8] != 0, p[9], p[10]};
+}
+inline void write(const Blemker<>& law, double (&p)[most_law_parameters]) {
+  const double entries[] = {law.G1, law.G2, law.kappa,       law.sigma_max,       law.lambda_opt,
+                            law.P1, law.P2, law.lambda_star, law.tendon ? 1 : 0., law.L1,
+                            law.L2};
+  for (int i = 0; i < most_law_parameters; ++i) p[i] = entries[i];
 }
 inline Ehret<> ehret_of(const double* p) { return {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]}; }
 /// @}

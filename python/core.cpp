@@ -14,6 +14,8 @@
 
 #include <myogrowth.h>
 
+#include "elastic_laws.hpp"
+
 namespace py = pybind11;
 
 namespace {
@@ -252,6 +254,15 @@ py::list laws() {
   return all;
 }
 
+/// The parameters of law 2 for tendon, as published.
+py::list tendon() {
+  double p[myogrowth::abi::most_law_parameters];
+  myogrowth::abi::write(myogrowth::Blemker<>::of_tendon(), p);
+  py::list values;
+  for (const double x : p) values.append(x);
+  return values;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_core, m) {
@@ -263,6 +274,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("check", &check);
   m.def("parameters", &parameters);
   m.def("laws", &laws);
+  m.def("tendon", &tendon);
   m.def("status_text", &myogrowth_status_text);
   m.def("version", &myogrowth_version_text);
 }

@@ -207,12 +207,15 @@ def law_parameters(name: str) -> Tuple[Parameter, ...]:
 
 def law(name: str, **values: float) -> Law:
     """An elastic law for Parameters(elastic=...): "Roehrle", "Blemker" or "Ehret", with its published parameters but for
-    those given by name. `law_parameters(name)` lists them; they are checked when the Parameters are made."""
+    those given by name: law("Blemker", tendon=1) has those of tendon. `law_parameters(name)` lists them; they are checked
+    when the Parameters are made."""
     symbols = [symbol for symbol, *_ in _law_table(name)]
     for given in values:
         if given not in symbols:
             raise TypeError(f"law {name!r} has no {given!r}: it has {', '.join(symbols)}")
-    return Law(name, tuple(_number(p.name, values.get(p.name, p.default)) for p in law_parameters(name)))
+    given_values = {symbol: _number(symbol, value) for symbol, value in values.items()}
+    published = _core.tendon() if given_values.get("tendon") == 1 else [p.default for p in law_parameters(name)]
+    return Law(name, tuple(given_values.get(symbol, value) for symbol, value in zip(symbols, published)))
 
 
 @_names_unknown
@@ -257,6 +260,8 @@ class Parameters:
                 raise TypeError(f"elastic: must be a Law, made by law(name), or None, is {_shown(self.elastic)}")
             if len(self.elastic.values) != len(_law_table(self.elastic.name)):
                 raise ValueError(f"elastic: {self.elastic.name} has {len(_law_table(self.elastic.name))} parameters")
+            symbols = [symbol for symbol, *_ in _law_table(self.elastic.name)]
+            object.__setattr__(self, "elastic", law(self.elastic.name, **dict(zip(symbols, self.elastic.values))))
             for name in ("c1", "c2"):
                 if getattr(self, name) != getattr(Parameters, name):
                     raise MyogrowthError(Status.BAD_PARAMETER, None, f"{name} = {getattr(self, name):g}: is of the "
@@ -268,9 +273,9 @@ class Parameters:
     def _props(self, activation: Any = 0.0) -> Floats:
         """PROPS of the C API. The fibre is left out: it comes with the state, and 0 is then an error."""
         activation = _number("activation", activation)
-        if not 0 <= activation <= (1 if self.elastic else 0):
-            raise MyogrowthError(Status.BAD_PARAMETER, None, f"activation = {activation:g}: must be "
-                                 + (">= 0 and <= 1" if self.elastic else "0: the neo-Hookean law has no active force"))
+        if not self.elastic and activation != 0:
+            raise MyogrowthError(Status.BAD_PARAMETER, None,
+                                 f"activation = {activation:.12g}: must be 0: the neo-Hookean law has no active force")
         props = np.zeros(len(_SYMBOLS))
         for i, symbol in enumerate(_SYMBOLS):
             if hasattr(self, symbol):
@@ -279,6 +284,9 @@ class Parameters:
         if self.elastic:
             props[:2] = 0
             props = np.concatenate([props, [1 + list(_LAWS).index(self.elastic.name), activation], self.elastic.values])
+            # What rounding may leave beyond 0 and 1 is the library's to say; -1 means a field variable there.
+            if not 0 <= activation <= 1 and (activation == -1 or _core.check(props)[0] != Status.OK):
+                raise MyogrowthError(Status.BAD_PARAMETER, None, f"activation = {activation:.12g}: must be >= 0 and <= 1")
         return props
 
 

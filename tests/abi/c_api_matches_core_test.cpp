@@ -311,6 +311,8 @@ TEST(CApi, NamesWhatIsWrongWithAnElasticLaw) {
   };
   props[6] = 1, props[18] = 1, props[20] = 10, props[19] = -1;
   EXPECT_EQ(check(), "PROPS(20) = -1: this host has no field variables; activation must be >= 0 and <= 1.");
+  props[19] = 1.5;
+  EXPECT_EQ(check(), "PROPS(20) = 1.5: activation, must be >= 0 and <= 1.");
   props[19] = 0.5, props[17] = 1;
   EXPECT_NE(check().find("PROPS(18) = 1: hybrid"), std::string::npos);
   props[17] = 0, props[20] = -2;

@@ -507,7 +507,32 @@ def test_elastic_law_of_4C():
     assert simulate(muscle, [0], 0.5).cauchy[0] == pytest.approx(-25.913195669478583, abs=1e-12)
 
 
+def test_a_stiff_elastic_law_has_a_strip():
+    # docs/laws.md advises a kappa of 1e4 for law 3, whose volume term is then out of range a few percent away.
+    muscle = Parameters(elastic=myogrowth.law("Ehret", kappa=1e4))
+    history = simulate(muscle, [0, 1, 42], [0.8, 1.1, 1.1], activation=1)
+    assert np.abs(history.J / history.G - 1).max() < 1e-3 and history.G[-1] > 1.07
+
+
+def test_tendon_has_its_published_parameters():
+    values = dict(zip((p.name for p in myogrowth.law_parameters("Blemker")), myogrowth.law("Blemker", tendon=1, kappa=500).values))
+    assert [values[name] for name in ("G1", "G2", "kappa", "lambda_star", "L1", "L2")] == [50, 50, 500, 1.03, 2700, 46.4]
+    assert myogrowth.law("Blemker", tendon=0) == myogrowth.law("Blemker")
+    assert myogrowth.law("Blemker", tendon=1, G1=3).values[:2] == (3, 50)
+
+
+def test_activation_may_be_beyond_its_bounds_by_rounding():
+    muscle = Parameters(elastic=myogrowth.law("Roehrle"))
+    F = np.diag([1.05, 0.98, 0.98])
+    assert update(muscle, F, 0, activation=1 + 1e-12).stress[0, 0] == update(muscle, F, 0, activation=1).stress[0, 0]
+    assert simulate(muscle, [0], 1.1, activation=-1e-12).force[0] == simulate(muscle, [0], 1.1).force[0]
+    for wrong in (1.00000001, -0.5, -1, np.nan):
+        with pytest.raises(MyogrowthError, match=f"activation = {wrong:.12g}: must be >= 0 and <= 1$"):
+            update(muscle, F, 0, activation=wrong)
+
+
 @pytest.mark.parametrize("wrong, message", [
+    (lambda: Parameters(elastic=myogrowth.Law("Ehret", ("x",) * 8)), "alpha: must be numbers"),
     (lambda: myogrowth.law("Hill"), "law 'Hill': must be 'Roehrle' or 'Blemker' or 'Ehret'"),
     (lambda: myogrowth.law("Ehret", G1=1), "law 'Ehret' has no 'G1': it has alpha, beta"),
     (lambda: myogrowth.law("Ehret", alpha="x"), "alpha: must be numbers"),
