@@ -856,9 +856,16 @@ class CubeJob(unittest.TestCase):
         self.assertIn("duration = 5.0", case)
         done, folder = self.cube("--law", "2", "--activation", "0.5", "--step", "0.1")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("0.0, 0.0, 0.5, 2.0, 1.1, 1.01, 1.0, 0.0, 0.0, 9*0.0, 2.0, 0.5", (folder / "cube.nml").read_text())
+        case = (folder / "cube.nml").read_text()
+        self.assertIn("0.0, 0.0, 0.5, 2.0, 1.1, 1.01, 1.0, 0.0, 0.0, 9*0.0, 2.0, -1.0", case)
+        self.assertIn("&field time = 0.0, 1.0 value = 0.0, 0.5 /", case)
         self.assertIn("G, day 42                      1.08680   1.08682", done.stdout)  # eq. 4 needs the stretch only
         self.assertTrue((folder / "force_length.png").exists())
+        done, folder = self.cube("--law", "2", "--activation", "0.5", "--step", "0.1", "--ramp", "0")
+        self.assertIn("9*0.0, 2.0, 0.5", (folder / "cube.nml").read_text())
+        # Law 3 with its published kappa: force that appears at once does not converge.
+        done, folder = self.cube("--law", "3", "--activation", "1", "--step", "0.1", "--duration", "2")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         for options, status, words in (
             ("--step -1", 2, "argument --step: -1: must be a finite number > 0"),
             ("--step 43", 2, "--step = 43.0: must be between --duration/100000 and --duration = 42.0"),
