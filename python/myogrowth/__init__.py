@@ -386,7 +386,8 @@ def _outputs(out: Any, shapes: Mapping[str, Points], inputs: Mapping[str, Floats
         raise TypeError(f"out: must be a Step, or a dict of arrays by the names of its numbers, is {_shown(out)}")
     for name in given:
         if name not in shapes:
-            raise ValueError(f"out: has {_shown(name)}: must be of {', '.join(shapes)}")
+            what = f"must be of {', '.join(shapes)}" + (", unless tangent=True" if name == "tangent" else "")
+            raise ValueError(f"out: has {_shown(name)}: {what}")
     arrays = {}
     for name, shape in shapes.items():
         dtype = np.dtype(np.intc if name == "status" else np.float64)
@@ -394,7 +395,7 @@ def _outputs(out: Any, shapes: Mapping[str, Points], inputs: Mapping[str, Floats
             arrays[name] = np.empty(shape, dtype)
             continue
         array = given[name]
-        if type(array) is not np.ndarray:
+        if type(array) not in (np.ndarray, np.memmap):
             raise ValueError(f"out: {name} must be a NumPy array, is {_shown(array)}")
         if array.dtype != dtype:
             raise ValueError(f"out: {name} must have dtype {dtype}, has {array.dtype}")
