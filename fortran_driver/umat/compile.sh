@@ -61,13 +61,18 @@ command -v "${compiler[0]}" >/dev/null || fail "needs ${compiler[0]} (Debian: ap
 compile() { # FILE FOR THE ERRORS
   "${compiler[@]}" "${fortran[@]}" -I "$work" -I "$(dirname "$file")" -w -g -O1 -fPIC -c "$file" -o "$work/umat.o" 2>"$1"
 }
+first_line() { # of the errors in FILE
+  local line
+  line=$(grep -aoE -m 1 ':[0-9]+:[0-9]+:$' "$1") || line=:0:
+  cut -d : -f 2 <<<"$line"
+}
 if ! compile "$work/errors"; then
   # Free form under an ending of fixed form, which Abaqus takes by an option in the user's abaqus_v6.env.
   if [ "${form:-}" = -ffixed-form ] && compiler=(gfortran -x f95 -ffree-form) && compile "$work/free"; then
     echo "note: $file is not in fixed form; it is taken as free form, in which it compiles" >&2
   else
-    # Free form read as fixed form has an error in nearly every line, and the other way round.
-    if [ -f "$work/free" ] && [ "$(wc -l <"$work/free")" -lt "$(wc -l <"$work/errors")" ]; then mv "$work/free" "$work/errors"; fi
+    # In the form that it is not written in, a file has an error in one of its first lines.
+    if [ -f "$work/free" ] && [ "$(first_line "$work/free")" -gt "$(first_line "$work/errors")" ]; then mv "$work/free" "$work/errors"; fi
     cat "$work/errors" >&2
     fail "does not compile (above)"
   fi
