@@ -22,9 +22,9 @@ module material_point
   integer, parameter :: analysis_begins = 0, increment_begins = 1, increment_ends = 2, analysis_ends = 3  ! LOP
 
   ! What follows PROPS and STATEV in memory: not a number to a UMAT that reads beyond their ends, and what one that
-  ! writes there is found by.
+  ! writes there is found by. A signalling NaN, which arithmetic changes: mark + 1 is written as another one.
   integer, parameter :: n_beyond = 1000
-  integer(int64), parameter :: mark = int(z'7FF8C0FFEE000001', int64)
+  integer(int64), parameter :: mark = int(z'7FF4C0FFEE000001', int64)
 
   type :: point
     integer :: number = 1

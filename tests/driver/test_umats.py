@@ -355,6 +355,10 @@ class Sources(Folder):
         done = self.run_umat(self.write("umat.f90", UMAT.format(include=INCLUDE, more="statev(200) = 1")), self.PULL.format(more=""))
         self.assertEqual(done.returncode, 1)
         self.assertIn("the UMAT writes to STATEV(200), and there are nstatv = 1\n", done.stderr)
+        more = "statev(20) = statev(20) + dstran(1)"  # of what was there before
+        done = self.run_umat(self.write("umat.f90", UMAT.format(include=INCLUDE, more=more)), self.PULL.format(more=""))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("the UMAT writes to STATEV(20), and there are nstatv = 1\n", done.stderr)
         source = UMAT.format(include=INCLUDE, more="statev(1) = props(2)").replace("ps(3)", "ps(3), props(nprops)")
         done = self.run_umat(self.write("umat.f90", source), self.PULL.format(more=""))
         self.assertIn("STATEV(1), SDV1, is not a number", done.stderr)
