@@ -1,8 +1,9 @@
 ! One material point as an implicit finite-strain host keeps it, and its update by the UMAT.
 module material_point
   use, intrinsic :: iso_fortran_env, only: dp => real64, int64
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use input, only: table_value
-  use text, only: str, stop_run, status_input
+  use text, only: note, str, stop_run, status_input
   use umat_interface, only: umat_library
   implicit none
   private
@@ -22,9 +23,11 @@ module material_point
   integer, parameter :: analysis_begins = 0, increment_begins = 1, increment_ends = 2, analysis_ends = 3  ! LOP
 
   ! What follows PROPS and STATEV in memory: not a number to a UMAT that reads beyond their ends, and what one that
-  ! writes there is found by. A signalling NaN, which arithmetic changes: mark + 1 is written as another one.
-  integer, parameter :: n_beyond = 1000
-  integer(int64), parameter :: mark = int(z'7FF4C0FFEE000001', int64)
+  ! writes there is found by. A signalling NaN, which arithmetic changes: mark + 1 is written as another one. That one
+  ! keeps the lower bits, which tell where a result that is not a number comes from.
+  integer, parameter :: n_beyond = 1000, kept_bits = 48
+  integer(int64), parameter :: statev_mark = int(z'7FF4C0FFEE000001', int64)
+  integer(int64), parameter :: props_mark = int(z'7FF4C0FFEE000002', int64)
 
   type :: point
     integer :: number = 1
@@ -53,13 +56,14 @@ contains
     p%number = number
     allocate (p%statev, source=m%statev_initial)
     if (.not. associated(m%library%sdvini)) return
-    statev = marked(p%statev)
+    statev = marked(p%statev, statev_mark)
     call m%library%sdvini(statev, coords, size(p%statev), 3, 1, number, 1, 1)
     call take_statev('SDVINI', statev, p%statev)
   end function new_point
 
-  function marked(values) result(longer)
+  function marked(values, mark) result(longer)
     real(dp), intent(in) :: values(:)
+    integer(int64), intent(in) :: mark
     real(dp) :: longer(size(values) + n_beyond)
 
     longer(:size(values)) = values
@@ -73,11 +77,35 @@ contains
     integer :: n, beyond
 
     n = size(statev)
-    beyond = findloc(transfer(longer(n + 1:), [mark]) /= mark, .true., 1, back=.true.)
+    beyond = findloc(transfer(longer(n + 1:), [statev_mark]) /= statev_mark, .true., 1, back=.true.)
     if (beyond > 0) call stop_run(status_input, 'the '//routine//' writes to STATEV('//str(n + beyond)// &
                                   '), and there are nstatv = '//str(n))
     statev = longer(:n)
   end subroutine take_statev
+
+  ! Says, once, that results come from what the UMAT read beyond the end of PROPS or STATEV.
+  subroutine tell_read_beyond(results, m)
+    real(dp), intent(in) :: results(:)
+    type(material), intent(in) :: m
+    logical, save :: told = .false.
+
+    if (told .or. .not. any(ieee_is_nan(results))) return
+    call tell(props_mark, 'PROPS', size(m%props), 'needs more props')
+    call tell(statev_mark, 'STATEV', size(m%statev_initial), 'needs a larger nstatv')
+
+  contains
+
+    subroutine tell(mark, name, n, why)
+      integer(int64), intent(in) :: mark
+      character(len=*), intent(in) :: name, why
+      integer, intent(in) :: n
+
+      if (all(ibits(transfer(results, [mark]), 0, kept_bits) /= ibits(mark, 0, kept_bits))) return
+      call note('the UMAT computes with entries beyond '//name//'('//str(n)//'): &material '//why)
+      told = .true.
+    end subroutine tell
+
+  end subroutine tell_read_beyond
 
   ! The UMAT's UEXTERNALDB, if it has one, as Abaqus calls it: at the beginning of an increment with the time there, at
   ! its end with the time then.
@@ -118,12 +146,14 @@ contains
     ! The element is no mixed one. A UMAT that takes it for one (PROPS(18) = 1) finds STRESS longer and its volume
     ! ratio that of F, and the answer is the ordinary one.
     stress = [new%stress, determinant(F), 0.0_dp, 0.0_dp]
-    statev = marked(new%statev)
+    statev = marked(new%statev, statev_mark)
     call m%library%umat(stress, statev, ddsdde, new%energy(1), new%energy(2), new%energy(3), rpl, ddsddt, &
                 drplde, drpldt, new%strain, dstran, [inc%time, inc%time], inc%dtime, 0.0_dp, 0.0_dp, &
-                [predef], [dpred], m%cmname, 3, 3, ntens, size(new%statev), marked(m%props), size(m%props), &
+                [predef], [dpred], m%cmname, 3, 3, ntens, size(new%statev), marked(m%props, props_mark), &
+                size(m%props), &
                 coords, drot, pnewdt, length, old%F, F, 1, old%number, 1, 1, [1, 1, 1, 0], inc%number)
     call take_statev('UMAT', statev, new%statev)
+    if (.not. m%library%is_ours) call tell_read_beyond([stress(:ntens), new%statev, ddsdde], m)
     new%stress = stress(:ntens)
     new%strain = new%strain + dstran
     new%F = F

@@ -361,7 +361,13 @@ class Sources(Folder):
         self.assertIn("the UMAT writes to STATEV(20), and there are nstatv = 1\n", done.stderr)
         source = UMAT.format(include=INCLUDE, more="statev(1) = props(2)").replace("ps(3)", "ps(3), props(nprops)")
         done = self.run_umat(self.write("umat.f90", source), self.PULL.format(more=""))
+        self.assertIn("note: the UMAT computes with entries beyond PROPS(1): &material needs more props\n", done.stderr)
         self.assertIn("STATEV(1), SDV1, is not a number", done.stderr)
+        source = UMAT.format(include=INCLUDE, more="stress(1) = stress(1) + exp(0*statev(5))*dstran(1)")
+        done = self.run_umat(self.write("umat.f90", source), self.PULL.format(more=""))
+        self.assertEqual(done.returncode, 2)
+        told = "note: the UMAT computes with entries beyond STATEV(1): &material needs a larger nstatv\n"
+        self.assertEqual(done.stderr.count(told), 1, done.stderr)
 
     def test_without_a_case(self):
         done = self.run_umat(self.write("umat.f90", UMAT.format(include=INCLUDE, more="")), None)
