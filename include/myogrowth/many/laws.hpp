@@ -231,6 +231,11 @@ template <Tangent tangent = Tangent::full, Measure measure = Measure::cauchy, cl
 UpdateStatus update_one(const FibreGrowthOf<Elastic, V>& material, std::ptrdiff_t i, const In& in,
                         const Out& out) {
   using namespace batch::detail;
+  constexpr int n = measure == Measure::first_piola ? 9 : 6;
+  constexpr int n_tangent = tangent == Tangent::none      ? 0
+                            : tangent == Tangent::compact ? CompactRoehrleTangent<V>::size
+                                                          : n * n;
+  demand_room<n, n_tangent>(in, out);
   V F[9], n0[3];
   for (int c = 0; c < 9; ++c) F[c] = load_one<V>(in.F, c, i);
   for (int c = 0; c < 3; ++c) n0[c] = load_one<V>(in.n0, c, i);
@@ -241,7 +246,6 @@ UpdateStatus update_one(const FibreGrowthOf<Elastic, V>& material, std::ptrdiff_
   store_one(out.G, 0, i, u.G);
   const V scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
   for (int k = 0; k < 5; ++k) store_one(out.scalars, k, i, scalars[k]);
-  constexpr int n = measure == Measure::first_piola ? 9 : 6;
   V stress[entries(n)], c[36], moduli[entries(n * n)];
   if constexpr (measure == Measure::cauchy) cauchy_from_kirchhoff(u.J, u.tau, stress);
   if constexpr (measure == Measure::first_piola) first_piola_from_kirchhoff(F, u.tau, stress);

@@ -223,6 +223,29 @@ MYOGROWTH_FUNCTION void store_one(const View& view, int c, std::ptrdiff_t i, V x
 template <class V>
 MYOGROWTH_FUNCTION void store_one(Absent, int, std::ptrdiff_t, V) {}
 
+/// Components of a point that a view has room for, as far as its type says.
+template <class View>
+constexpr int room = 1000;
+template <class V, int components>
+constexpr int room<Aos<V, components>> = components;
+template <class V, int components, int block>
+constexpr int room<Aosoa<V, components, block>> = components;
+template <class V, int components, int block>
+constexpr int room<Streamed<V, components, block>> = components;
+
+/// Refuses to compile views with room for fewer components than are read or written: those of another point,
+/// or what lies behind the array, would take their place.
+template <int n_stress, int n_tangent, class In, class Out>
+MYOGROWTH_FUNCTION constexpr void demand_room(const In& in, const Out& out) {
+  static_assert(room<std::decay_t<decltype(in.F)>> >= 9, "F has 9 components");
+  static_assert(room<std::decay_t<decltype(in.n0)>> >= 3, "n0 has 3 components");
+  static_assert(room<std::decay_t<decltype(out.stress)>> >= n_stress, "a stress has 6 components, P has 9");
+  static_assert(room<std::decay_t<decltype(out.tangent)>> >= n_tangent,
+                "a tangent has 36 components, dP/dF 81; a compact one 7, that of law 1 19");
+  static_assert(room<std::decay_t<decltype(out.scalars)>> >= 5, "scalars has 5 components");
+  (void)in, (void)out;
+}
+
 /// What writes c[k] = x to point i of a view.
 template <class View>
 struct Entries {
@@ -243,6 +266,11 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT UpdateStatus update_one(const FibreGrowth<V>& 
   using batch::detail::Entries;
   using batch::detail::load_one;
   using batch::detail::store_one;
+  constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
+  constexpr int n_tangent = tangent == Tangent::none      ? 0
+                            : tangent == Tangent::compact ? 7
+                                                          : n_stress * n_stress;
+  batch::detail::demand_room<n_stress, n_tangent>(in, out);
   V F[9], n0[3];
   for (int c = 0; c < 9; ++c) F[c] = load_one<V>(in.F, c, i);
   for (int c = 0; c < 3; ++c) n0[c] = load_one<V>(in.n0, c, i);
@@ -253,7 +281,6 @@ MYOGROWTH_FUNCTION MYOGROWTH_FLAT UpdateStatus update_one(const FibreGrowth<V>& 
   store_one(out.G, 0, i, u.G);
   const V scalars[5] = {u.lambda_e, u.lambda, u.J, u.Je, u.psi};
   for (int k = 0; k < 5; ++k) store_one(out.scalars, k, i, scalars[k]);
-  constexpr int n_stress = measure == Measure::first_piola ? 9 : 6;
   V stress[entries(n_stress)];
   if constexpr (measure == Measure::cauchy) cauchy_from_kirchhoff(u.J, u.tau, stress);
   if constexpr (measure == Measure::first_piola) first_piola_from_kirchhoff(F, u.tau, stress);
