@@ -37,6 +37,19 @@ constexpr int n_all_props = abi::first_law_parameter + abi::most_law_parameters;
   std::_Exit(201);
 }
 
+// ccx 2.20 copies all constants of a deck into an array of 21, without a word where there are more.
+void warn_of_constants(int nprops) {
+  constexpr int room = 21;
+  static std::atomic_flag told = ATOMIC_FLAG_INIT;
+  if (nprops <= room || told.test_and_set()) return;
+  std::printf(
+      "\n *WARNING in myogrowth: CONSTANTS = %d: CalculiX has room for %d, and more overwrite other numbers "
+      "of "
+      "it. Use the short order of docs/laws.md.\n\n",
+      nprops, room);
+  std::fflush(stdout);
+}
+
 // Puts a fibre that came in STATEV(2:4) where the UMAT has it.
 void move_fibre(double* statev, int nstatev) {
   if (nstatev < 5 || !(statev[4] < 0)) return;
@@ -70,6 +83,7 @@ bool put_in_order(const double* given, int n, double (&props)[n_all_props]) {
 // unless the increment is to be repeated, pnewdt times as long.
 void update(const double* F, double dtime, const double* props, int nprops, double* statev, int nstatev,
             double S[6], double dS_dE[36], double& pnewdt) {
+  warn_of_constants(nprops);
   move_fibre(statev, nstatev);
   const int second_piola = 2;
   abi::Common common{{}, nstatev, dtime, second_piola, true, {}};

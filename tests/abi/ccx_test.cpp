@@ -316,6 +316,22 @@ TEST_F(CcxBadInputDeathTest, InProps) {
   expect_end(c, "PROPS\\(10\\) = 1.*ORIENTATION");
 }
 
+TEST_F(CcxBadInputDeathTest, WarnsOfMoreConstantsThanFit) {
+  Call c;
+  c.props = {0, 0, 0.5, 2, 1.1, 1.01, 1, 0, 0};
+  c.props.resize(21);
+  c.props[18] = 1, c.props[20] = 10;
+  const auto run = [&c] {
+    stdout_alone();
+    for (int i = 0; i < 2; ++i) c.ccx(), c.native();
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(run(), testing::ExitedWithCode(0), "^$");
+  c.props.push_back(10);
+  EXPECT_EXIT(run(), testing::ExitedWithCode(0),
+              "^\n \\*WARNING in myogrowth: CONSTANTS = 22: CalculiX has room for 21[^\n]*\n\n$");
+}
+
 TEST_F(CcxBadInputDeathTest, InDepvarAndStatev) {
   Call c;
   c.statev.clear();

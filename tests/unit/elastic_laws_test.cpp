@@ -188,6 +188,35 @@ TYPED_TEST(ElasticLaw, FromItsEnergyOnly) {
   }
 }
 
+// Eq. 3 written in place.
+struct InPlace {
+  template <class T>
+  T psi(const T Fe[9], const T n0[3], const T&) const {
+    const Invariants<T> in = invariants(Fe, n0);
+    const T ln_J = log(in.J);
+    T matrix = in.I1, volume = ln_J;
+    matrix -= 3.;
+    matrix -= 2. * ln_J;
+    matrix *= 2.;
+    volume *= ln_J;
+    volume /= 0.125;
+    volume += matrix;
+    return volume;
+  }
+};
+
+TEST(FromEnergy, TakesOperatorsInPlace) {
+  samples::Random r(107);
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Matrix3d Fe = samples::deformation(r, 0.4);
+    const Eigen::Vector3d n = samples::direction(r);
+    const auto direct = respond<NeoHookean<>, double>({}, Fe, n, 0),
+               derived = respond<InPlace, double>({}, Fe, n, 0);
+    EXPECT_NEAR(derived.psi, direct.psi, 1e-13 * modulus(direct).norm());
+    EXPECT_LE((modulus(derived) - modulus(direct)).norm(), 1e-13 * modulus(direct).norm());
+  }
+}
+
 TEST(Invariants, OfRandomTensors) {
   samples::Random r(106);
   for (int i = 0; i < 20; ++i) {

@@ -9,6 +9,7 @@
 /// With D_j the symmetric unit strain of component j, psi((I + t D_j)(I + s D_i) F_e) has the derivatives
 /// tau_j with respect to t and c_ji with respect to both. Hyper-dual numbers (Fike and Alonso 2011) carry
 /// them: exact to rounding, at 21 evaluations of the energy. That is slow, and good for trying a law out.
+/// They have + - * / (also +=), sqrt, exp, expm1, log, log1p and pow with a number as exponent.
 #ifndef MYOGROWTH_ELASTIC_FROM_ENERGY_HPP
 #define MYOGROWTH_ELASTIC_FROM_ENERGY_HPP
 
@@ -81,6 +82,16 @@ MYOGROWTH_WITH_REALS(-)
 MYOGROWTH_WITH_REALS(*)
 MYOGROWTH_WITH_REALS(/)
 #undef MYOGROWTH_WITH_REALS
+#define MYOGROWTH_IN_PLACE(op)                                \
+  template <class T, class B>                                 \
+  HyperDual<T>& operator op##=(HyperDual<T>& a, const B& b) { \
+    return a = a op b;                                        \
+  }
+MYOGROWTH_IN_PLACE(+)
+MYOGROWTH_IN_PLACE(-)
+MYOGROWTH_IN_PLACE(*)
+MYOGROWTH_IN_PLACE(/)
+#undef MYOGROWTH_IN_PLACE
 
 template <class T>
 HyperDual<T> sqrt(const HyperDual<T>& x) {
