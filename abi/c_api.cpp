@@ -39,17 +39,19 @@ void write_message(const char* text, char* message, int length) {
   if (message && length > 0) std::snprintf(message, static_cast<std::size_t>(length), "%s", text);
 }
 
-// Checks what the points have in common. n_state: what the message calls the place of the state.
-int check(const double* props, int n_props, const char* n_state, Call& common, abi::Text& text) {
-  if (myogrowth_stress_size(common.measure) == 0) {
-    abi::tell(text, "measure = %d: must be %d (Cauchy), %d (first Piola) or %d (second Piola).",
-              common.measure, MYOGROWTH_CAUCHY, MYOGROWTH_FIRST_PIOLA, MYOGROWTH_SECOND_PIOLA);
+bool find_measure_fault(int measure, abi::Text& text) {
+  if (myogrowth_stress_size(measure) > 0) return false;
+  return abi::tell(text, "measure = %d: must be %d (Cauchy), %d (first Piola) or %d (second Piola).", measure,
+                   MYOGROWTH_CAUCHY, MYOGROWTH_FIRST_PIOLA, MYOGROWTH_SECOND_PIOLA);
+}
+
+// Checks what the points have in common.
+int check(const double* props, int n_props, Call& common, abi::Text& text) {
+  if (find_measure_fault(common.measure, text) || abi::find_room_fault("n_state", common.n_state, text))
     return MYOGROWTH_BAD_ARGUMENT;
-  }
-  if (abi::find_room_fault(n_state, common.n_state, text)) return MYOGROWTH_BAD_ARGUMENT;
   const int status = check_props(props, n_props, common, text);
   if (status != MYOGROWTH_OK) return status;
-  if (abi::find_stretch_fault(n_state, common.n_state, common.properties, text))
+  if (abi::find_stretch_fault("n_state", common.n_state, common.properties, text))
     return MYOGROWTH_BAD_ARGUMENT;
   if (common.properties.local_basis && common.measure != MYOGROWTH_CAUCHY) {
     abi::tell(text,
@@ -72,7 +74,7 @@ int check(const double* props, int n_props, const double* F, const double* state
     abi::tell(text, "%s = NULL: it is needed.", missing);
     return MYOGROWTH_BAD_ARGUMENT;
   }
-  return check(props, n_props, "n_state", common, text);
+  return check(props, n_props, common, text);
 }
 
 // What comes in, and where what comes out goes.
@@ -83,6 +85,7 @@ struct Arrays {
   int n_out;
   bool state_is_known;
   int* status;
+  bool has_lambda;      ///< at the beginning of the step
   int stress, tangent;  ///< index of its only output, if that is whole and in its order, or -1
 };
 
@@ -107,7 +110,7 @@ int entry_at_start(int entry) {
 struct OneAfterTheOther {
   myogrowth_input in[2];
   myogrowth_output out[4];
-  Arrays arrays{in, 0, out, 0, false, nullptr, -1, -1};
+  Arrays arrays{in, 0, out, 0, false, nullptr, false, -1, -1};
   const double* carried_from = nullptr;
   double* carried_to = nullptr;
   int n_state = 0, n_carried = 0;
@@ -375,7 +378,7 @@ bool find_fault(Arrays& a, int n_points, Call& call, abi::Text& text) {
     if (!is_there[MYOGROWTH_F + c])
       return abi::tell(text, "F%d%d: is in no array of in: all of F is needed.", c % 3 + 1, c / 3 + 1);
   }
-  call.n_state = is_there[MYOGROWTH_LAMBDA] ? abi::n_kept : 1;
+  a.has_lambda = is_there[MYOGROWTH_LAMBDA];
   a.stress = sole_output(a, MYOGROWTH_STRESS, n_stress);
   a.tangent = sole_output(a, MYOGROWTH_TANGENT, n_stress * n_stress);
   for (int o = 0; o < a.n_out; ++o) {
@@ -449,16 +452,20 @@ int myogrowth_update_strided(int n_points, const double* props, int n_props, con
   write_message("", message, message_length);
   if (n_points <= 0) return 0;
   abi::Text text = "";
-  Call call = call_of(0, dt, measure, false);
-  Arrays arrays{in, n_in, out, n_out, state_is_known != 0, status, -1, -1};
+  Call call = call_of(abi::n_kept, dt, measure, false);
+  Arrays arrays{in, n_in, out, n_out, state_is_known != 0, status, false, -1, -1};
   int fault = MYOGROWTH_OK;
-  if (find_fault(arrays, n_points, call, text)) {
+  if (find_measure_fault(measure, text) || find_fault(arrays, n_points, call, text)) {
     fault = MYOGROWTH_BAD_ARGUMENT;
     arrays.n_in = arrays.n_out = 0;
   } else {
-    fault = check(props, n_props, "entries of the state in in", call, text);
+    fault = check(props, n_props, call, text);
+    const bool remembers = call.properties.material.integration == TimeIntegration::midpoint_flow;
+    if (fault == MYOGROWTH_OK && remembers && !arrays.has_lambda) {
+      abi::tell(text, "lambda: is in no array of in: with PROPS(12) = 1 it is needed.");
+      fault = MYOGROWTH_BAD_ARGUMENT;
+    }
   }
-  call.n_state = abi::n_kept;  // with zeros for what is not there
   return update_all(n_points, fault, call, arrays, text, nullptr, message, message_length);
 }
 

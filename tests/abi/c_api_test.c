@@ -782,8 +782,8 @@ static void test_strided(void) {
        1,
        1,
        11},
-      {"measure = 4", {GOOD_F}, 1, {{rest, 1, 1, entry + MYOGROWTH_J}}, 1, 4, 11},
-      {"lambda", {GOOD_F}, 1, {OUT_P}, 1, 1, 12},
+      {"measure = 4", {GOOD_F}, 1, {OUT_P}, 1, 4, 11},
+      {"lambda: is in no array of in: with PROPS(12) = 1 it is needed", {GOOD_F}, 1, {OUT_P}, 1, 1, 12},
   };
   for (size_t k = 0; k < sizeof bad / sizeof *bad; ++k) {
     double before[18];
