@@ -150,20 +150,27 @@ def arguments():
     p.add_argument("what", choices=["cube", "cylinder"])
     p.add_argument("--cells", type=files.number(1, 100, kind=int), help="along an edge of the cube (default 2), or of the square in "
                    "the middle of the cylinder's disc (default 6: 24 around the rim, as in CalculiX's coarse mesh)")
-    p.add_argument("--layers", type=files.number(3, 10000, kind=int), default=36, help="of the cylinder (default 36)")
-    p.add_argument("--angle", type=files.number(-360, 360), default=0.0, help="of the cube's fibre and the pull [degrees]")
-    p.add_argument("--days", type=files.number(above=0), default=2.0, help="length of the test (default 2)")
-    p.add_argument("--step", type=files.number(above=0), default=0.1, help="time step [days] (default 0.1)")
+    p.add_argument("--layers", type=files.number(3, 10000, kind=int), help="of the cylinder (default 36)")
+    p.add_argument("--angle", type=files.number(-360, 360), help="of the cube's fibre and the pull [degrees] (default 0)")
+    p.add_argument("--days", type=files.number(above=0), help="length of the test (default 2)")
+    p.add_argument("--step", type=files.number(above=0), help="time step [days] (default 0.1)")
     p.add_argument("--times", metavar="FILE", type=pathlib.Path, help="the ends of the time steps: the first column of a CSV file, "
                    "whose header begins with time")
     p.add_argument("--integration", choices=["backward_euler", "midpoint_flow"], default="backward_euler")
     p.add_argument("--tolerance", type=files.number(above=0, below=1), default=1e-9, help="of the residual over all forces")
     p.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/fenicsx"), help="folder of the results")
     a = p.parse_args()
-    a.cells = a.cells or (2 if a.what == "cube" else 6)
+    unused = [("layers", "of the cube")] if a.what == "cube" else [("angle", "of the cylinder, whose fibres are along it")]
+    for name, of_what in unused + ([("days", "where --times is given"), ("step", "where --times is given")] if a.times else []):
+        if getattr(a, name) is not None:
+            p.error(f"there is no --{name} {of_what}")
+    a.cells, a.layers, a.angle = a.cells or (2 if a.what == "cube" else 6), a.layers or 36, a.angle or 0.0
     if a.times:
         a.times = read_times(a.times)
     else:
+        a.days, a.step = a.days or 2.0, a.step or 0.1
+        if a.days / a.step > 1e6:
+            p.error(f"--days {a.days:g} in steps of {a.step:g}: must be at most 1e6 steps")
         a.times = list(np.linspace(0, a.days, max(1, math.ceil(a.days / a.step - 1e-9)) + 1)[1:])
     a.out = files.make_folder(a.out)
     return a

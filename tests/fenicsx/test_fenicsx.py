@@ -83,12 +83,16 @@ class Cube(Case):
 
     def test_what_is_wrong_is_said(self):
         (self.folder / "times.csv").write_text("time,x\n0.1,1\n0.1,2\n")
-        for arguments, status, message in ((["--days", -1], 2, "--days: -1: must be a finite number > 0"),
+        for arguments, status, message in ((["--layers", 3], 2, "there is no --layers of the cube"),
+                                           (["--times", "times.csv", "--step", 0.2], 2, "there is no --step where --times is given"),
+                                           (["--days", 1e300], 2, "--days 1e+300 in steps of 0.1: must be at most 1e6 steps"),
+                                           (["--days", -1], 2, "--days: -1: must be a finite number > 0"),
                                            (["--times", self.folder / "times.csv"], 1, "times.csv:3: time: must be greater than 0.1")):
             done = self.stretch("cube", *arguments, ok=False)
             self.assertEqual(done.returncode, status)
             self.assertIn(message, done.stderr)
             self.assertNotIn("Traceback", done.stderr)
+        self.assertIn("there is no --angle of the cylinder", self.stretch("cylinder", "--angle", 30, ok=False).stderr)
 
 
 class Cylinder(Case):
