@@ -14,15 +14,18 @@ trap 'rm -rf "$work"' EXIT
 # On Windows, where many UMATs were written, names of files have no case, and a folder's name ends with a backslash: what
 # INCLUDE lines name so, here and in the included files, gets a link under the name as it is written.
 link_included() { # FILE
-  local folder name trimmed found
+  local folder name path base found
   folder=$(cd "$(dirname "$1")" && pwd -P)
   while IFS= read -r name; do
-    read -r trimmed <<<"$name" || true  # blanks around it do not count
-    if [[ "${trimmed,,}" = aba_param.inc ]]; then found=$here/ABA_PARAM.INC
+    read -r path <<<"${name//\\//}" || true  # blanks around it do not count
+    if [[ "${path,,}" = aba_param.inc ]]; then found=$here/ABA_PARAM.INC
     elif [ -f "$folder/$name" ]; then found=$folder/$name
     else
-      found=$folder/${trimmed//\\//}
-      found=$(find -L "$(dirname "$found")" -maxdepth 1 -type f -iname "$(basename "$found")" -print -quit 2>/dev/null) || true
+      base=.
+      while [[ "$path" = ../* ]]; do base+=/.. path=${path#../}; done
+      found=${path//[^\/]/}
+      found=$(cd "$folder" && find -L "$base" -maxdepth $((${#found} + 1)) -type f -ipath "$base/$path" -print -quit 2>/dev/null) || true
+      found=${found:+$folder/$found}
     fi
     if [ -z "$found" ] || [ -n "${linked[$found:$name]:-}" ]; then continue; fi
     linked[$found:$name]=1
@@ -31,7 +34,7 @@ link_included() { # FILE
       ln -sf "$(realpath "$found")" "$work/$name"
     fi
     link_included "$found"
-  done < <(sed -nE "s/^[[:space:]]*#?[[:space:]]*include[[:space:]]*['\"<]([^'\">]+)['\">].*/\1/Ip" "$1")
+  done < <(LC_ALL=C sed -nE "s/^[[:space:]]*#?[[:space:]]*include[[:space:]]*['\"<]([^'\">]+)['\">].*/\1/Ip" "$1")
 }
 declare -A linked
 link_included "$file"
@@ -47,10 +50,7 @@ case "${file##*.}" in
     if grep -aqiE '^[!c*]d(ec|ir)\$ *freeform' "$file"; then form=-ffree-form; fi
     compiler=(gfortran -x f95 "$form") ;;
   f90 | f95 | f03 | f08 | F90 | F95 | F03 | F08) compiler=(gfortran -x f95 -ffree-form) ;;
-  cpp | cc | cxx | C)
-    compiler=(g++ -x c++) fortran=()
-    read -ra eigen < <(pkg-config --cflags eigen3 2>/dev/null) || eigen=()
-    compiler+=("${eigen[@]}") ;;
+  cpp | cc | cxx | C) compiler=(g++ -x c++ -idirafter /usr/include/eigen3) fortran=() ;;  # where Linux systems have Eigen
   c) compiler=(gcc -x c) fortran=() ;;
   *) fail "the ending must be .f, .for or .ftn (fixed form), .f90, .f95, .f03 or .f08 (free form), .c, .cc, .cpp or .cxx" ;;
 esac

@@ -265,6 +265,8 @@ class Sources(Folder):
         for name in ("Sub\\part.inc", "Sub/PART.inc", "Sub\\Part.INC "):
             text = "C     From Windows\n" + fixed(UMAT.format(include='INCLUDE  "Aba_Param.inc "', more=more.format(name)))
             self.assertEqual(self.works("umat.for", text.replace("\n", "\r\n").encode("utf-8-sig")), 9)
+        text = fixed(UMAT.format(include=INCLUDE, more=more.format("sub/part.inc") + " ! caf"))
+        self.assertEqual(self.works("umat.f", text.encode().replace(b"! caf", b"! caf\xe9")), 9)  # not UTF-8
         done = self.compile(self.write("umat.f", fixed(UMAT.format(include=INCLUDE, more=more.format("Other.inc")))))
         self.assertIn("Other.inc", done.stderr)
 
