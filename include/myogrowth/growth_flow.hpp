@@ -23,7 +23,7 @@ namespace detail {
 /// table 25.4).
 template <class V, int n>
 struct GaussRule {
-  V point[n], weight[n];
+  V point[entries(n)], weight[entries(n)];
 };
 template <class V>
 MYOGROWTH_FUNCTION constexpr GaussRule<V, 5> gauss_rule() {
