@@ -43,9 +43,8 @@ void warn_of_constants(int nprops) {
   static std::atomic_flag told = ATOMIC_FLAG_INIT;
   if (nprops <= room || told.test_and_set()) return;
   std::printf(
-      "\n *WARNING in myogrowth: CONSTANTS = %d: CalculiX has room for %d, and more overwrite other numbers "
-      "of "
-      "it. Use the short order of docs/laws.md.\n\n",
+      "\n *WARNING in myogrowth: CONSTANTS = %d: CalculiX has room for %d, and more overwrite its numbers "
+      "(docs/laws.md).\n\n",
       nprops, room);
   std::fflush(stdout);
 }

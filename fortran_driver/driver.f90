@@ -151,6 +151,7 @@ contains
     m%field_value = s%field_value
     m%library%umat => umat
     call watch_end()
+    call check_field()
     if (s%umat_file == '') return
     call load_umat(s%umat_file, absolute(s%folder), case_name(), m%library, message)
     if (.not. associated(m%library%umat)) then
@@ -162,6 +163,14 @@ contains
     end if
     if (m%library%not_called /= '') call note(s%umat_file//': has, and this driver does not call,'//m%library%not_called)
   end subroutine set_material
+
+  ! What myogrowth's UMAT reads from a field variable has to be said.
+  subroutine check_field()
+    if (s%umat_file /= '' .or. s%has_field .or. size(s%props) < 20) return
+    if (s%props(20) > -1 .or. s%props(20) < -1) return
+    call stop_run(status_input, s%file//': &material: props(20) = -1: the activation is field variable 1, whose values over '// &
+                  'time, &field, are missing')
+  end subroutine check_field
 
   ! The columns of history.csv for STATEV: ours are five and have names.
   function states() result(names)

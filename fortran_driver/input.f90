@@ -36,6 +36,7 @@ module input
     real(dp) :: duration = 42, dt = 0.05_dp, dt_min = 0.05e-6_dp, dt_increase = 2
     type(face_control), allocatable :: faces(:)
     real(dp), allocatable :: field_time(:), field_value(:)  ! field variable 1, as a face's table
+    logical :: has_field = .false.
     integer :: max_iterations = 15, max_cutbacks = 10
     real(dp) :: tolerance_residual = 1.0e-10_dp, tolerance_displacement = 1.0e-8_dp
     logical :: symmetrise = .false., log_residuals = .true.
@@ -86,6 +87,7 @@ contains
         case ('field')
           call g%check_names([character(len=5) :: 'time', 'value'])
           call read_table(g, s%field_time, s%field_value)
+          s%has_field = .true.
         case ('face')
           if (.not. any_face) deallocate (s%faces)
           if (.not. any_face) allocate (s%faces(0))

@@ -571,6 +571,9 @@ class InputErrors(unittest.TestCase):
         self.expect("&face name = 'x+'\n time = 0, 1\n value = 0, 1, 2 /\n", "case.nml:3: &face: value", "2 numbers")
         self.expect("&field\n time = 0, 1\n value = 0.5 /\n", "case.nml:3: &field: value", "2 numbers")
         self.expect("&field value = 0 /\n&field value = 1 /\n", "case.nml:2: &field: given already in line 1")
+        active = "16.667, 4, 1, 1, 2, 1.01, 1, 0, 0, 9*0, 1, -1"
+        self.expect(f"&material props = {active} /\n", "case.nml: &material: props(20) = -1: the activation is field variable 1",
+                    "&field, are missing")
         self.expect("&field face = 1 /\n", 'case.nml:1: &field: unknown variable "face"; known: time value')
 
     def test_structure(self):
