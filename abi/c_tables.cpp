@@ -82,6 +82,12 @@ const char* myogrowth_law_allowed(int law, int i) { return allowed(law_entry(law
 double myogrowth_law_default(int law, int i) {
   return law_entry(law, i) ? law_entry(law, i)->initial : not_a_number;
 }
+double myogrowth_law_default_of_tendon(int law, int i) {
+  if (!law_entry(law, i) || law != static_cast<int>(abi::Law::blemker)) return myogrowth_law_default(law, i);
+  double values[abi::most_law_parameters];
+  abi::write(myogrowth::Blemker<>::of_tendon(), values);
+  return values[i];
+}
 
 int myogrowth_n_state(void) { return abi::n_statev; }
 int myogrowth_n_state_required(void) { return abi::n_statev_required; }

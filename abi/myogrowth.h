@@ -95,6 +95,8 @@ const char* myogrowth_law_meaning(int law, int i);
 const char* myogrowth_law_allowed(int law, int i);
 /// Default of parameter i; NaN if there is none.
 double myogrowth_law_default(int law, int i);
+/// The same for tendon: law 2 has other published values for it. With law 2 the flag tendon is 1 then.
+double myogrowth_law_default_of_tendon(int law, int i);
 
 /// Entries of the state.
 int myogrowth_n_state(void);

@@ -14,8 +14,6 @@
 
 #include <myogrowth.h>
 
-#include "elastic_laws.hpp"
-
 namespace py = pybind11;
 
 namespace {
@@ -247,20 +245,11 @@ py::list laws() {
     for (int i = 0; i < myogrowth_law_n_parameters(law); ++i) {
       entries.append(py::make_tuple(myogrowth_law_symbol(law, i), myogrowth_law_unit(law, i),
                                     myogrowth_law_meaning(law, i), myogrowth_law_allowed(law, i),
-                                    myogrowth_law_default(law, i)));
+                                    myogrowth_law_default(law, i), myogrowth_law_default_of_tendon(law, i)));
     }
     all.append(py::make_tuple(myogrowth_law_name(law), entries));
   }
   return all;
-}
-
-/// The parameters of law 2 for tendon, as published.
-py::list tendon() {
-  double p[myogrowth::abi::most_law_parameters];
-  myogrowth::abi::write(myogrowth::Blemker<>::of_tendon(), p);
-  py::list values;
-  for (const double x : p) values.append(x);
-  return values;
 }
 
 }  // namespace
@@ -274,7 +263,6 @@ PYBIND11_MODULE(_core, m) {
   m.def("check", &check);
   m.def("parameters", &parameters);
   m.def("laws", &laws);
-  m.def("tendon", &tendon);
   m.def("status_text", &myogrowth_status_text);
   m.def("version", &myogrowth_version_text);
 }

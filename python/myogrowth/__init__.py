@@ -202,20 +202,21 @@ def _law_table(name: Any) -> Any:
 
 def law_parameters(name: str) -> Tuple[Parameter, ...]:
     """Name, unit, meaning, what is allowed, and published default of every parameter of a law."""
-    return tuple(Parameter(*entry) for entry in _law_table(name))
+    return tuple(Parameter(*entry) for *entry, _ in _law_table(name))
 
 
 def law(name: str, **values: float) -> Law:
     """An elastic law for Parameters(elastic=...): "Roehrle", "Blemker" or "Ehret", with its published parameters but for
     those given by name: law("Blemker", tendon=1) has those of tendon. `law_parameters(name)` lists them; they are checked
     when the Parameters are made."""
-    symbols = [symbol for symbol, *_ in _law_table(name)]
+    table = _law_table(name)
+    symbols = [symbol for symbol, *_ in table]
     for given in values:
         if given not in symbols:
             raise TypeError(f"law {name!r} has no {given!r}: it has {', '.join(symbols)}")
-    given_values = {symbol: _number(symbol, value) for symbol, value in values.items()}
-    published = _core.tendon() if given_values.get("tendon") == 1 else [p.default for p in law_parameters(name)]
-    return Law(name, tuple(given_values.get(symbol, value) for symbol, value in zip(symbols, published)))
+    numbers = {symbol: _number(symbol, value) for symbol, value in values.items()}
+    is_tendon = numbers.get("tendon") == 1
+    return Law(name, tuple(numbers.get(symbol, of_tendon if is_tendon else default) for symbol, *_, default, of_tendon in table))
 
 
 @_names_unknown

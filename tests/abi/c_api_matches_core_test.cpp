@@ -289,11 +289,15 @@ TEST(CApi, HasTheElasticLaws) {
   EXPECT_EQ(std::string(myogrowth_law_meaning(1, 1)), "matrix, second invariant");
   EXPECT_EQ(std::string(myogrowth_law_allowed(3, 7)), "> lambda_min");
   EXPECT_EQ(myogrowth_law_default(1, 5), 1.4);
+  EXPECT_EQ(myogrowth_law_default_of_tendon(1, 5), 1.4);
+  EXPECT_EQ(myogrowth_law_default_of_tendon(2, 0), Blemker<>::of_tendon().G1);
+  EXPECT_EQ(myogrowth_law_default_of_tendon(2, 8), 1);
   for (const int law : {-1, 0, 4}) {
     EXPECT_EQ(myogrowth_law_name(law), nullptr);
     EXPECT_EQ(myogrowth_law_n_parameters(law), 0);
     EXPECT_EQ(myogrowth_law_symbol(law, 0), nullptr);
     EXPECT_TRUE(std::isnan(myogrowth_law_default(law, 0)));
+    EXPECT_TRUE(std::isnan(myogrowth_law_default_of_tendon(law, 0)));
   }
   EXPECT_EQ(myogrowth_law_unit(1, 8), nullptr);
   EXPECT_EQ(myogrowth_law_meaning(1, -1), nullptr);
