@@ -18,14 +18,15 @@ namespace myogrowth {
 namespace detail {
 
 /// Finds the stretch x > 0 at which a stress vanishes that grows with it, starting from x, or from
-/// second_start where a stiff law has no result at x.
+/// second_start() where a stiff law has no result at x.
 /// evaluate(x, stress, slope) gives the stress and its derivative with respect to ln x. On return the last
 /// evaluation was made at the stretch found; not_converged if 200 do not find it. Newton's method, halving
 /// the bracket where that does not do better: the stress has a kink where growth sets in, and is almost flat
 /// while growth takes up all of the stretch. Where there is no bracket yet and Newton's steps stay small, as
 /// with a stress like x^-n, they are doubled.
-template <class T, class Evaluate>
-MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate, const T& second_start = T(1)) {
+template <class T, class Evaluate, class SecondStart>
+MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate,
+                                             const SecondStart& second_start) {
   using V = Real<T>;
   // Quadratic convergence: after a step of this size rounding is left, and derivatives lag one step behind.
   const V negligible = sqrt(last_place<V>());
@@ -44,7 +45,7 @@ MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate, con
       if (last_good > 0) {
         x = T(sqrt(value(x)) * sqrt(last_good));
       } else {
-        x = widening > 0 ? T(x * (V(1) + widening)) : second_start;
+        x = widening > 0 ? T(x * (V(1) + widening)) : second_start();
         widening = widening > 0 ? 2 * widening : V(1) / 64;
       }
       last_size = V(1);
@@ -87,6 +88,10 @@ MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate, con
   }
   return failure;
 }
+template <class T, class Evaluate>
+MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate) {
+  return free_stretch(x, evaluate, [] { return T(Real<T>(1)); });
+}
 
 }  // namespace detail
 
@@ -106,7 +111,9 @@ MYOGROWTH_FUNCTION UpdateStatus plane_stress(const Material& material, const T F
   T full[36];
   const auto modulus = [&](int row, int column) { return full[row + 6 * column]; };
   T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
-  const T isochoric = G_n / (F[0] * F[3] - F[1] * F[2]);  // no change of the elastic volume
+  const auto isochoric = [&] {
+    return T(G_n / (F[0] * F[3] - F[1] * F[2]));
+  };  // no change of the elastic volume
   const auto evaluate = [&](const T& F33, T& stress, T& slope) {
     const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
     const UpdateStatus made = update_point(material, F3, n0, G_n, lambda_n, dt, u, activation...);
@@ -147,7 +154,7 @@ MYOGROWTH_FUNCTION UpdateStatus uniaxial_stress(const Material& material, const 
   T c[36];
   const auto modulus = [&](int row, int column) { return c[row + 6 * column]; };
   T x = value(lateral) > 0 && is_finite(lateral) ? lateral : T(V(1));
-  const T isochoric = sqrt(T(G_n / stretch));
+  const auto isochoric = [&] { return T(sqrt(T(G_n / stretch))); };
   const auto evaluate = [&](const T& side, T& stress, T& dstress) {
     const T F[9] = {stretch, zero, zero, zero, side, zero, zero, zero, side};
     const UpdateStatus made = update_point(material, F, n0, G_n, lambda_n, dt, u, activation...);
