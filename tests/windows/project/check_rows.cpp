@@ -15,6 +15,8 @@
 #ifndef SINGLE_FILE
 #include <myogrowth.h>
 
+#include <myogrowth/kernel.hpp>
+
 #include "../../../abi/block.hpp"
 #endif
 
@@ -112,10 +114,9 @@ void check_block(const char* name, MyogrowthUpdateBlock* update, const std::vect
   // Anywhere a caller's stack may put it: as much as 8 bytes off any alignment.
   MyogrowthBlock& b = *reinterpret_cast<MyogrowthBlock*>(reinterpret_cast<char*>(memory) + 8);
   for (const Row& r : rows) {
-    double props[40];
-    for (int i = 0; i < myogrowth_n_props() && i < 40; ++i) {
-      props[i] = i < 9 ? r.props[i] : myogrowth_prop_default(i);
-    }
+    const double* const p = r.props;
+    myogrowth::FibreGrowth<double> material;
+    material.c1 = p[0], material.c2 = p[1], material.growth = {p[2], p[3], p[4], p[5]};
     for (int k = 0; k < size; ++k) {
       for (int i = 0; i < 9; ++i) b.number[myogrowth_row_F + k + size * i] = r.F[i];
       for (int i = 0; i < 3; ++i) b.number[myogrowth_row_n0 + k + size * i] = r.props[6 + i];
@@ -125,9 +126,9 @@ void check_block(const char* name, MyogrowthUpdateBlock* update, const std::vect
     b.dt = r.dt;
     b.stretch_is_checked = b.is_known = b.is_given = false;
     b.n_in = b.n_out = 0;
-    b.direct = -1;
+    b.stress = b.tangent = -1;
     for (int i = 0; i < 3; ++i) b.fibre[i] = r.props[6 + i];
-    update(props, size, 0, 1, &b);
+    update(&material, size, 0, 1, &b);
     for (int k = 0; k < size; ++k) {
       double stress[6], ddsdde[36];
       for (int i = 0; i < 6; ++i) stress[i] = b.number[myogrowth_row_stress + k + size * i];
