@@ -90,7 +90,6 @@ struct Arrays {
 };
 
 constexpr int n_entries_in = MYOGROWTH_STRESS;  // the first ones
-constexpr unsigned all_entries_in = (1u << n_entries_in) - 1;
 constexpr int entry_of_state(int e) { return abi::row_of_state(e) / myogrowth_block_points; }
 
 bool is_of_state(int entry) {
@@ -165,13 +164,19 @@ struct Points {
 
   Points(const Call& call_, const Arrays& arrays, abi::Text& text, const OneAfterTheOther* whole = nullptr)
       : call(call_), a(arrays), first_fault(text), whole_state(whole) {
-    unsigned there = 0;  // a bit for each entry
+    int n_there = 0;  // each of them once
     for (int i = 0; i < a.n_in; ++i) {
-      for (int c = 0; c < a.in[i].size; ++c)
-        there |= a.in[i].entry[c] < n_entries_in ? 1u << a.in[i].entry[c] : 0u;
+      for (int c = 0; c < a.in[i].size; ++c) n_there += a.in[i].entry[c] < n_entries_in;
     }
-    for (int e = 0; there != all_entries_in && e < n_entries_in; ++e) {
-      if ((there >> e & 1) == 0) missing[n_missing++] = e;
+    if (n_there == n_entries_in) return;
+    bool is_there[n_entries_in] = {};
+    for (int i = 0; i < a.n_in; ++i) {
+      for (int c = 0; c < a.in[i].size; ++c) {
+        if (a.in[i].entry[c] < n_entries_in) is_there[a.in[i].entry[c]] = true;
+      }
+    }
+    for (int e = 0; e < n_entries_in; ++e) {
+      if (!is_there[e]) missing[n_missing++] = e;
     }
   }
 
