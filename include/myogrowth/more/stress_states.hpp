@@ -58,8 +58,8 @@ MYOGROWTH_FUNCTION UpdateStatus free_stretch(T& x, const Evaluate& evaluate,
     const T step = -stress / slope;
     const V size = value(step) < 0 ? -value(step) : value(step);
     if (size <= negligible) {
-      // A stiff law needs one step more. Its error: the step squared, times what the last two say, or at
-      // most.
+      // The error that is left: the step squared times a factor, which the last two steps tell; else 1e6. A
+      // stiff law needs one step more.
       const V curvature = last_newton > 0 ? size / (last_newton * last_newton) : V(1e6);
       if (!is_stiff && curvature * size * size > last_place<V>() / 4) {
         is_stiff = true;
@@ -111,9 +111,8 @@ MYOGROWTH_FUNCTION UpdateStatus plane_stress(const Material& material, const T F
   T full[36];
   const auto modulus = [&](int row, int column) { return full[row + 6 * column]; };
   T x = value(thickness) > 0 && is_finite(thickness) ? thickness : T(V(1));
-  const auto isochoric = [&] {
-    return T(G_n / (F[0] * F[3] - F[1] * F[2]));
-  };  // no change of the elastic volume
+  // No change of the elastic volume.
+  const auto isochoric = [&] { return T(G_n / (F[0] * F[3] - F[1] * F[2])); };
   const auto evaluate = [&](const T& F33, T& stress, T& slope) {
     const T F3[9] = {F[0], F[1], zero, F[2], F[3], zero, zero, zero, F33};
     const UpdateStatus made = update_point(material, F3, n0, G_n, lambda_n, dt, u, activation...);
