@@ -120,6 +120,11 @@ inline double largest(const Numbers& x) {
   for (double y : x) all = std::max(all, std::abs(y));
   return all;
 }
+inline double largest_finite(const Numbers& x) {
+  double all = 0;
+  for (double y : x) all = std::max(all, std::isfinite(y) ? std::abs(y) : 0);
+  return all;
+}
 
 /// Arguments without a fault that are so ordinary, by orders of magnitude, that there must be a result.
 inline bool is_ordinary(const Numbers& p, const Numbers& s, const Numbers& F, double dt) {
