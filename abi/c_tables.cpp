@@ -80,13 +80,10 @@ const char* myogrowth_law_unit(int law, int i) { return unit(law_entry(law, i));
 const char* myogrowth_law_meaning(int law, int i) { return meaning(law_entry(law, i)); }
 const char* myogrowth_law_allowed(int law, int i) { return allowed(law_entry(law, i)); }
 double myogrowth_law_default(int law, int i) {
-  return law_entry(law, i) ? law_entry(law, i)->initial : not_a_number;
+  return law_entry(law, i) ? abi::default_of(static_cast<abi::Law>(law), i, false) : not_a_number;
 }
 double myogrowth_law_default_of_tendon(int law, int i) {
-  if (!law_entry(law, i) || law != static_cast<int>(abi::Law::blemker)) return myogrowth_law_default(law, i);
-  double values[abi::most_law_parameters];
-  abi::write(myogrowth::Blemker<>::of_tendon(), values);
-  return values[i];
+  return law_entry(law, i) ? abi::default_of(static_cast<abi::Law>(law), i, true) : not_a_number;
 }
 
 int myogrowth_n_state(void) { return abi::n_statev; }

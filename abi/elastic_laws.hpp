@@ -220,6 +220,14 @@ inline void write(const Blemker<>& law, double (&p)[most_law_parameters]) {
 inline Ehret<> ehret_of(const double* p) { return {p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]}; }
 /// @}
 
+/// The published value of parameter i; of law 2 that for tendon, on request.
+inline double default_of(Law law, int i, bool tendon) {
+  if (!tendon || law != Law::blemker) return parameters_of(law).entry[i].initial;
+  double values[most_law_parameters];
+  write(Blemker<>::of_tendon(), values);
+  return values[i];
+}
+
 /// The material with that law: all else is that of PROPS(3:18).
 template <class Elastic>
 FibreGrowthOf<Elastic> with_law(const Elastic& law, const FibreGrowth<double>& m) {

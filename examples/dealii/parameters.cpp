@@ -157,6 +157,13 @@ class Entries {
     return result;
   }
 
+  /// The value of an entry that nobody says.
+  void set_default(const std::string& section, const std::string& name, double value) {
+    prm_.enter_subsection(section);
+    prm_.set(name, common::text_of(value));
+    prm_.leave_subsection();
+  }
+
   ParameterHandler& prm() { return prm_; }
   const ParameterHandler& prm() const { return prm_; }
 
@@ -524,6 +531,11 @@ std::vector<Parameters::Material> read_materials(const std::string& text, const 
         fail("law = " + common::text_of(law) + ": elastic law, must be " + elastic_laws());
       material.elastic = p.laws[static_cast<std::size_t>(law)];
     }
+    if (material.elastic.law == abi::Law::blemker) {  // whose defaults are those of muscle or of tendon
+      for (const auto& entry : given) {
+        if (entry.first == "tendon") material.elastic = p.blemker[number(entry) == 1];
+      }
+    }
     const abi::Law law = material.elastic.law;
     const bool has_constants = law != abi::Law::neo_hookean;
     const abi::LawParameters* table = has_constants ? &abi::parameters_of(law) : nullptr;
@@ -621,21 +633,35 @@ std::vector<Parameters::SetFibre> read_set_fibres(const std::string& text, const
   return found;
 }
 
-/// The elastic laws with the constants of their sections, and which one the muscle has. Throws Error.
-void take_laws(const Entries& entries, Parameters& p) {
-  for (int law = 1; law <= abi::n_laws; ++law) {
-    abi::LawChoice& choice = p.laws[static_cast<std::size_t>(law)];
-    choice.law = static_cast<abi::Law>(law);
-    const abi::LawParameters& table = abi::parameters_of(choice.law);
-    double given[abi::most_law_parameters];
-    for (int i = 0; i < table.size; ++i)
-      given[i] = entries.prm().get_double({table.name}, table.entry[i].symbol);
-    abi::Text fault;
-    if (abi::find_parameter_fault(given, table.size, 0, choice, fault)) {
-      const std::string text(fault);  // "SYMBOL = VALUE: what is wrong"
-      entries.fail(table.name + ("/" + text.substr(0, text.find(' '))), text.substr(text.find(": ") + 2));
-    }
+/// A law with the constants of its section. Those that are not said are set to the published ones, of muscle
+/// or of tendon. Throws Error.
+abi::LawChoice constants_of_section(abi::Law law, bool tendon, Entries& entries) {
+  const abi::LawParameters& table = abi::parameters_of(law);
+  const std::vector<std::string> said = entries.said(table.name);
+  double given[abi::most_law_parameters];
+  for (int i = 0; i < table.size; ++i) {
+    const std::string symbol = table.entry[i].symbol;
+    if (std::count(said.begin(), said.end(), table.name + ("/" + symbol)) == 0)
+      entries.set_default(table.name, symbol, abi::default_of(law, i, tendon));
+    given[i] = entries.prm().get_double({table.name}, symbol);
   }
+  abi::LawChoice choice{};
+  choice.law = law;
+  abi::Text fault;
+  if (abi::find_parameter_fault(given, table.size, 0, choice, fault)) {
+    const std::string text(fault);  // "SYMBOL = VALUE: what is wrong"
+    entries.fail(table.name + ("/" + text.substr(0, text.find(' '))), text.substr(text.find(": ") + 2));
+  }
+  return choice;
+}
+
+/// The elastic laws with the constants of their sections, and which one the muscle has. Throws Error.
+void take_laws(Entries& entries, Parameters& p) {
+  const bool tendon = entries.prm().get_double({"Blemker"}, "tendon") == 1;
+  p.blemker[!tendon] = constants_of_section(abi::Law::blemker, !tendon, entries);
+  for (int law = 1; law <= abi::n_laws; ++law)
+    p.laws[static_cast<std::size_t>(law)] = constants_of_section(static_cast<abi::Law>(law), tendon, entries);
+  p.blemker[tendon] = p.laws[static_cast<std::size_t>(abi::Law::blemker)];
   p.muscle.elastic = p.laws[static_cast<std::size_t>(p.muscle.elastic.law)];
   const std::string activation = entries.prm().get({"Muscle"}, "Activation");
   p.muscle.activation =
@@ -671,7 +697,7 @@ void find_unread(const Entries& entries, Parameters& p) {
 }
 
 /// What one entry's range cannot say.
-void check_together(const Entries& entries, Parameters& p) {
+void check_together(Entries& entries, Parameters& p) {
   const auto check = [&](bool good, const std::string& entry, const std::string& allowed) {
     entries.check(good, entry, allowed);
   };

@@ -66,7 +66,8 @@ struct Parameters {
 
   Material muscle, tendon;  ///< what a mesh without Materials/List is made of
   std::array<myogrowth::abi::LawChoice, myogrowth::abi::n_laws + 1>
-      laws{};  ///< with the constants of their sections
+      laws{};                              ///< with the constants of their sections
+  myogrowth::abi::LawChoice blemker[2]{};  ///< the same of law 2, of muscle and of tendon
   Volume volume;
   double tendon_length, tendon_stiffness;  ///< [length], [-]
 

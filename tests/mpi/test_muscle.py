@@ -425,12 +425,11 @@ class Laws(MeshCase):
         """Law 1 in the belly, activated by a table of its own, law 2's tendon at both ends."""
         mesh = write_box(self.folder / "box", "hex8", (2, 2, 6), sections=("BELLY", "CORD"), section_of=lambda z: int(abs(z - 0.5) > 1 / 3))
         entries = {**mesh, **SHARP, **FIXED_STEPS, "Time/Step": 0.1, "Muscle/Volume": "mean dilatation", "Fibre/Kind": "uniform", "Muscle/lambda_crit": 0.95,
-                   "Materials/List": "BELLY muscle law=1 kappa=500 lambda_opt=1.05 activation=0:0.05,1:0.2; CORD tendon law=2 tendon=1 G1=50 G2=50 "
-                                     "lambda_star=1.03"}
+                   "Materials/List": "BELLY muscle law=1 kappa=500 lambda_opt=1.05 activation=0:0.05,1:0.2; CORD tendon law=2 tendon=1"}
         for ranks in (1, 2):
             text = self.run_muscle(ranks, f"on_{ranks}", {**entries, "Output/Times": "1"})
             self.assertIn("BELLY: elastic law 1 (Roehrle): c10 = 10, c01 = 10, kappa = 500,", text)
-            self.assertIn("CORD: elastic law 2 (Blemker): G1 = 50,", text)
+            self.assertRegex(text, r"CORD: elastic law 2 \(Blemker\): G1 = 50, G2 = 50, .* lambda_star = 1.03, tendon = 1")
         self.assert_alike(self.columns("on_1"), self.columns("on_2"), 1e-9)
         for file in ("regions.csv", "attachments.csv"):
             self.assert_same_table("on_1", "on_2", file, 1e-8)
@@ -453,6 +452,12 @@ class Laws(MeshCase):
             self.assertGreater(float(row.pop("reaction")), 1)
             del row["time"]
             self.assertTrue(all(math.isnan(float(x)) for x in row.values()), row)  # numbers of the muscle, which is not there
+        # Constants that nobody says are those of tendon, wherever tendon = 1 is said.
+        of_section = {**entries, "Materials/List": "MUSCLE tendon law=2", "Blemker/tendon": 1}
+        self.assertIn("G1 = 50,", self.run_muscle(1, "b", of_section))
+        self.assertEqual([r["reaction"] for r in self.table("b", "history.csv")], [r["reaction"] for r in self.table("a", "history.csv")][:2])
+        self.assertIn("G1 = 70,", self.run_muscle(1, "c", {**of_section, "Blemker/G1": 70}))
+        self.assertIn("G1 = 0.5,", self.run_muscle(1, "d", {**of_section, "Materials/List": "MUSCLE muscle law=2 tendon=0"}))
 
     def test_of_sections_are_checked(self):
         mesh = write_box(self.folder / "box", "hex8", (1, 1, 1))
