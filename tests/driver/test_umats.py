@@ -256,6 +256,9 @@ class Sources(Folder):
             done = self.compile(self.write("umat.f", text))
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stderr, rf"^\S*umat.f:{line}:\d+:\n")
+        self.write("part.inc", "      x = = 1\n")  # errors in an included file tell nothing of the form
+        done = self.compile(self.write("umat.f", "\n\n" + fixed(UMAT.format(include=INCLUDE, more="include 'part.inc'"))))
+        self.assertRegex(done.stderr, r"^\S*part.inc:1:\d+:\n")
 
     def test_included_files_as_on_windows(self):
         (self.folder / "Sub").mkdir()
@@ -269,6 +272,54 @@ class Sources(Folder):
         self.assertEqual(self.works("umat.f", text.encode().replace(b"! caf", b"! caf\xe9")), 9)  # not UTF-8
         done = self.compile(self.write("umat.f", fixed(UMAT.format(include=INCLUDE, more=more.format("Other.inc")))))
         self.assertIn("Other.inc", done.stderr)
+
+    def test_a_path_begins_at_the_file_that_names_it(self):
+        (self.folder / "Sub").mkdir()
+        self.write("Sub/part.inc", "      INCLUDE 'deeper.inc'\n      include 'deeper.inc'\n")
+        self.write("Sub/deeper.inc", "      statev(1) = statev(1) + 1")  # no end of line
+        for directive in ("include", "#include"):
+            text = fixed(UMAT.format(include=INCLUDE, more="statev(1) = 0\n  include 'Sub/part.inc'"))
+            self.assertEqual(self.works("umat.f", text.replace("\tinclude 'Sub", f"{directive} 'Sub".rjust(16))), 2)
+        self.write("Sub/deeper.inc", "      statev(1) = = 1\n")
+        done = self.compile(self.folder / "umat.f")
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"(?m)^\S*/Sub/deeper.inc:1:")  # and not of the whole, in lines of its own
+
+    def test_directives_as_intels_preprocessor_takes_them(self):
+        self.write("part.inc", "  #define TEN 10\n#IFDEF TEN\n      statev(1) = TEN\n  # else\n      statev(1) = 0\n#ENDIF\n")
+        text = fixed(UMAT.format(include=INCLUDE, more="#INCLUDE 'part.inc'")).replace("\t#", "#").replace("\tinclude", "      #include")
+        self.assertEqual(self.works("umat.f", text), 10)
+        text = fixed(UMAT.format(include=INCLUDE, more="statev(1) = 1 +1"))
+        self.assertEqual(self.works("umat.f", text.replace("1 +1", "1\n     #+1")), 2)  # a # in column 6 continues the line
+
+    def test_operators_of_its_own(self):
+        module = """module operators
+  interface operator(.plus.)
+    module procedure plus
+  end interface
+contains
+  real*8 function plus(a, b)
+    real*8, intent(in) :: a, b
+    plus = a + b
+  end function
+  real*8 function twice(a)
+    real*8, intent(in) :: a
+    twice = a.plus.a
+  end function
+end module
+"""
+        text = UMAT.format(include="use operators\n  " + INCLUDE, more="statev(1) = twice(dtime)")
+        self.assertEqual(self.works("umat.f90", module + text), 0.5)
+        text = UMAT.format(include=INCLUDE + "\n  structure /pair/\n    real*8 a\n  end structure\n  record /pair/ p",
+                           more="p.a = 3\n  statev(1) = p.a")  # DEC's, whose components have dots
+        self.assertEqual(self.works("umat.f90", text), 3)
+
+    def test_functions_of_abaqus_are_integers(self):
+        more = "statev(1) = get_thread_id() + 10*getnumthreads()"  # real by their first letter, were it not for the header
+        for name in ("SMAAspUserSubroutines.hdr", "SMAASPUSERUTILITIES.HDR"):
+            text = f"#include <{name}>\n" + UMAT.format(include=f"include 'aba_param_dp.INC'\n#include <{name}>", more=more)
+            self.assertEqual(self.works("umat.f90", text), 10)
+            self.assertEqual(self.works("umat.f", fixed(text).replace("\t#", "#")), 10)
 
     def test_headers_of_abaqus(self):
         text = "#include <SMAAspUserSubroutines.hdr>\n" + UMAT.format(include=INCLUDE, more="call MutexLock(1)\n  statev(1) = 6")
