@@ -164,10 +164,17 @@ contains
     if (m%library%not_called /= '') call note(s%umat_file//': has, and this driver does not call,'//m%library%not_called)
   end subroutine set_material
 
-  ! What myogrowth's UMAT reads from a field variable has to be said.
+  ! What myogrowth's UMAT reads from a field variable has to be said, and what it does not read is noted.
   subroutine check_field()
-    if (s%umat_file /= '' .or. s%has_field .or. size(s%props) < 20) return
-    if (s%props(20) > -1 .or. s%props(20) < -1) return
+    logical :: is_read
+
+    if (s%umat_file /= '') return
+    is_read = .false.
+    if (size(s%props) >= 20) is_read = .not. (s%props(20) > -1 .or. s%props(20) < -1)
+    if (s%has_field .and. .not. is_read) then
+      call note(s%file//': &field: not used: it is the activation with props(20) = -1 only')
+    end if
+    if (s%has_field .or. .not. is_read) return
     call stop_run(status_input, s%file//': &material: props(20) = -1: the activation is field variable 1, whose values over '// &
                   'time, &field, are missing')
   end subroutine check_field

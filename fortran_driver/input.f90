@@ -86,6 +86,7 @@ contains
           call read_time(g, s)
         case ('field')
           call g%check_names([character(len=5) :: 'time', 'value'])
+          call require(g, g%has('value'), 'value', 'is missing')
           call read_table(g, s%field_time, s%field_value)
           s%has_field = .true.
         case ('face')

@@ -81,8 +81,10 @@ contains
     type(umat_library), intent(inout) :: library
     character(len=:), allocatable, intent(out) :: message
     character(len=*), parameter :: utilities = 'libmyogrowth_abaqus.so'
-    character(len=6), parameter :: others(8) = [character(len=6) :: 'usdfld', 'uvarm', 'uexpan', 'hetval', 'disp', &
-                                                'dload', 'orient', 'umatht']
+    character(len=18), parameter :: others(19) = [character(len=18) :: 'usdfld', 'uvarm', 'uexpan', 'hetval', 'disp', &
+                                                  'dload', 'orient', 'umatht', 'sigini', 'uhard', 'creep', 'urdfil', &
+                                                  'uel', 'vumat', 'uhyper', 'uanisohyper_inv', 'uanisohyper_strain', &
+                                                  'umullins', 'utrs']
     integer(c_int), parameter :: rtld_now = 2, rtld_deepbind = 8, rtld_global = 256
     procedure(job_routine), pointer :: set_job
     type(c_ptr) :: handle
@@ -114,9 +116,16 @@ contains
       end if
       return
     end if
+    library%not_called = ''
+    do i = 1, size(others)
+      if (c_associated(entry_of(handle, trim(others(i))))) then
+        library%not_called = library%not_called//' '//upper(trim(others(i)))
+      end if
+    end do
     address = entry_of(handle, 'umat')
     if (.not. c_associated(address)) then
       message = 'it has none of the symbols umat_, umat, UMAT and UMAT_'
+      if (library%not_called /= '') message = message//'; it has, and this driver does not call,'//library%not_called
       return
     end if
     call c_f_procpointer(address, library%umat)
@@ -125,10 +134,6 @@ contains
     if (c_associated(address)) call c_f_procpointer(address, library%uexternaldb)
     address = entry_of(handle, 'sdvini')
     if (c_associated(address)) call c_f_procpointer(address, library%sdvini)
-    library%not_called = ''
-    do i = 1, size(others)
-      if (c_associated(entry_of(handle, trim(others(i))))) library%not_called = library%not_called//' '//upper(others(i))
-    end do
     message = ''
   end subroutine load_umat
 

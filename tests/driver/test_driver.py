@@ -188,6 +188,9 @@ class Cases(unittest.TestCase):
                                                       "&time": "&field time = 0, 0.7 value = 0.1, 0.11 /\n&time"})
         self.assertIn(0.7, [r["time"] for r in run.rows("newton.log")])
         self.assertNotEqual(run.rows()[-1]["s11"], number[-1]["s11"])
+        run = Run(CASES / "active_oblique.nml", edit={"&time": "&field value = 0.5 /\n&time"})  # which 0.1 in PROPS(20) hides
+        self.assertEqual((run.status, run.rows()), (0, number))
+        self.assertRegex(run.errors, r"^note: .*case.nml: &field: not used: it is the activation with props\(20\) = -1 only\n$")
 
     def test_cutback(self):
         run = Run(CASES / "cutback.nml")
@@ -574,6 +577,7 @@ class InputErrors(unittest.TestCase):
         active = "16.667, 4, 1, 1, 2, 1.01, 1, 0, 0, 9*0, 1, -1"
         self.expect(f"&material props = {active} /\n", "case.nml: &material: props(20) = -1: the activation is field variable 1",
                     "&field, are missing")
+        self.expect("&field /\n", "case.nml:1: &field: value: is missing")
         self.expect("&field face = 1 /\n", 'case.nml:1: &field: unknown variable "face"; known: time value')
 
     def test_structure(self):

@@ -346,7 +346,11 @@ end module
             self.assertEqual(self.works("umat.cpp", 'extern "C" ' + C.format(name=name)), 7)
         done = self.run_umat(self.write("umat.c", C.format(name="vumat_")), self.PULL.format(more=""))
         self.assertEqual(done.returncode, 1)
-        self.assertIn("it has none of the symbols umat_, umat, UMAT and UMAT_", done.stderr)
+        self.assertRegex(done.stderr, "it has none of the symbols umat_, umat, UMAT and UMAT_; it has, and this driver does not call, VUMAT\n$")
+        text = UMAT.format(include=INCLUDE, more="") + "subroutine sigini\nend subroutine\nsubroutine uanisohyper_inv\nend subroutine\n"
+        done = self.run_umat(self.write("umat.f90", text), self.PULL.format(more=""))
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, "^note: .*: has, and this driver does not call, SIGINI UANISOHYPER_INV\n$")
 
     def test_its_own_routines_come_first(self):
         own = UMAT.format(include=INCLUDE, more="call sprind(stress, ps, an, 1, 3, 3)\n  statev(1) = ps(1)")
