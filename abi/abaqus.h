@@ -135,7 +135,7 @@ using Vumat = void(
     const VumatReal* tempNew,        // in (NBLOCK): temperatures at the end; not used
     const VumatReal* stretchNew,     // in (NBLOCK, NDIR+NSHR): U at the end
     const VumatReal* defgradNew,     // in (NBLOCK, NDIR+2 NSHR): F at the end; not used
-    const VumatReal* fieldNew,       // in (NBLOCK, NFIELDV): field variables; not used
+    const VumatReal* fieldNew,       // in (NBLOCK, NFIELDV): fields; 1: activation, if PROPS(20) = -1
     VumatReal* stressNew,            // out (NBLOCK, NDIR+NSHR): R^T stress R at the end
     VumatReal* stateNew,             // out (NBLOCK, NSTATEV): state at the end
     VumatReal* enerInternNew,        // out (NBLOCK): internal energy per unit mass at the end

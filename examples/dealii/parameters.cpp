@@ -286,7 +286,7 @@ void Entries::declare() {
               "; the constants of laws 1 to 3 are in the sections below, c1 and c2 are of law 0 "
               "(docs/laws.md)");
     word("Activation", "0",
-         "of laws 1 to 3: a number >= 0 and <= 1, which holds from the begin on, or a table TIME:ACTIVATION "
+         "of laws 1 to 3: a number >= 0 and <= 1, which holds from the beginning, or a table TIME:ACTIVATION "
          "TIME:ACTIVATION ..., linear between rows, from 0 at time 0; two rows of one time are a jump");
     choice("Energy", "reference", "reference|grown", "the volume that the elastic energy is counted per");
     choice("Integration", "second order", "backward Euler|second order", "of growth in time");

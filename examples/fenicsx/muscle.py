@@ -17,6 +17,7 @@ class Muscle:
 
     u: a vector function on hexahedra or tetrahedra. n0: the fibre at F = 1, one direction (3,) or, for each quadrature
     point of the process's cells, (cells, points, 3). degree: of the quadrature; 2 is 2 x 2 x 2 points in a hexahedron.
+    activation: of an active elastic law, from 0 to 1; set it before a step, as the prescribed displacements.
     """
 
     def __init__(self, u, parameters, n0, degree=2):
@@ -45,11 +46,13 @@ class Muscle:
         self.volumes = (detJ * weights)[: cells.size_local].ravel()  # of the process's own points, undeformed
         self.state = myogrowth.State(n0=np.broadcast_to(n0, (*shape, 3)).reshape(-1, 3))
         self.step = None
+        self.activation = 0.0
 
     def update(self, dt):
         """P and dP/dF at the present u, dt after the state that is kept. MyogrowthError where u turns a cell inside out."""
         F = self.F_at_points.eval(self.cells).reshape(-1, 3, 3)
-        self.step = myogrowth.update(self.parameters, F, dt, self.state, measure="first_piola", tangent=True)
+        self.step = myogrowth.update(self.parameters, F, dt, self.state, measure="first_piola", tangent=True,
+                                     activation=self.activation)
         for function, values in ((self.P, self.step.stress), (self.dP_dF, self.step.tangent)):
             size = function.function_space.dofmap.bs
             function.x.array.reshape(-1, size)[function.function_space.dofmap.list.array] = values.reshape(-1, size)

@@ -27,6 +27,22 @@ CASE = """&material props = 16.0, 4.0, 0.5, 2.0, 1.1, 1.01, 0.86602540378443865,
 &face name = 'x+' time = 0.0, 1.0 value = 0.0, 0.1 /
 """
 
+# An active cell under a pull along its fibre, its sides free: the force, and that of the library's strip.
+ACTIVE = """
+import stretch
+V = stretch.fem.VectorFunctionSpace(stretch.mesh.create_unit_cube(stretch.MPI.COMM_WORLD, 1, 1, 1, stretch.mesh.CellType.hexahedron),
+                                    ("Lagrange", 1))
+pull = stretch.Pull(V, [(axis, 0.0, axis, False) for axis in range(3)] + [(0, 1.0, 0, True)])
+parameters = stretch.myogrowth.Parameters(elastic=stretch.myogrowth.law("Roehrle", kappa=100))
+muscle = stretch.Muscle(stretch.fem.Function(V), parameters, [1.0, 0.0, 0.0])
+newton = stretch.Newton(muscle, pull.conditions, 1e-11)
+muscle.activation = 0.1
+pull.set(0.1)
+newton.solve(0.1)
+strip = stretch.myogrowth.simulate(parameters, [0.0, 0.1], [1.0, 1.1], activation=muscle.activation)
+print(pull.reaction(newton.forces()), strip.force[1])
+"""
+
 
 def read(path):
     with open(path) as f:
@@ -65,6 +81,13 @@ class Cube(Case):
             self.equal(a["G_mean"], b["G"], 1e-9)
             self.equal(a["lambda_e_mean"], b["lambda_e"], 1e-9)
         self.assertGreater(rows[-1]["G_mean"], 1.03)
+
+    def test_an_active_muscle(self):
+        done = subprocess.run([sys.executable, "-c", ACTIVE], env=ENVIRONMENT, cwd=STRETCH.parent, capture_output=True, text=True,
+                              timeout=600)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        force, strip = map(float, done.stdout.split())
+        self.equal(force, strip, 1e-8)
 
     def test_newtons_order_and_two_processes(self):
         printed, rows = self.stretch("cube", "--cells", 3, "--angle", 30, "--tolerance", 1e-12)
