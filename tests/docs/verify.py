@@ -86,6 +86,10 @@ CLAIMS = {
               "order # to # in # iterations; symmetrised: # on average in # iterations",
               "order {0-} to {1} in {2} iterations; symmetrised: order {3} in {4}"),
         Claim("the one-element driver reproduces the closed forms, balances its tractions and cuts back", r"driver\.Cases"),
+        Claim("other people's UMATs run in the driver as they are: fixed and free form, included files, Abaqus's utilities, UEXTERNALDB, "
+              "SDVINI; principal values are NumPy's", r"driver\.(Utilities|Foreign|Sources|OtherUmats)"),
+        Claim("the libraries for hosts but the probe need no glibc newer than 2.29; the UMAT with MYOGROWTH_OLD_GLIBC none newer than 2.14", r"abi\.(old_)?glibc",
+              optional=True),
         Claim("in CalculiX, six element types: state and reactions agree with the one-element driver",
               r"calculix\.(Pull|Prescribed|Traction)", "; worst: state #, reaction #",
               "worst difference: state {0} (the last digit that CalculiX prints), reactions {1} of the largest"),
@@ -117,6 +121,8 @@ CLAIMS = {
     "Other parts": [
         Claim("many points at once on SIMD packs agree with point by point, and the bits of a point do not depend on its neighbours", r"unit\.batch"),
         Claim("the same on aarch64 (NEON, under an emulator)", r"neon\..*", optional=True),
+        Claim("many points with an elastic law, law 1 on SIMD packs, agree with point by point", r"unit\.BatchOfLaws\..*",
+              optional=True),
         Claim("95 % intervals of fitted parameters contain the truth, in 200 runs", r"studies\.Fit"),
         Claim("installed or packaged, CMake, pkg-config, C and Fortran find the library and get its numbers", r"install\..*"),
         Claim("the paper's law written as a growth law of one's own agrees with the kernel; other laws have the tangent of their step", r"unit\.GrowthLaw\..*"),
