@@ -123,7 +123,7 @@ def main():
     size = sum(path.stat().st_size for path in (out / "index.html", out / "LICENSE", out / "LICENSE.uPlot"))
     if size > MOST_BYTES:
         raise files.FileError(f"{out}: {size:,} bytes, expected at most {MOST_BYTES:,}")
-    print(f"{out / 'index.html'}: {size:,} bytes")
+    print(f"{out / 'index.html'}: {size:,} bytes with its two licences")
     if a.picture:
         take_picture(out / "index.html", a.picture)
 
