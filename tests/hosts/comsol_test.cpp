@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <myogrowth/elastic/roehrle.hpp>
 #include <vector>
 
 #include "../support/larger.hpp"
@@ -73,6 +74,25 @@ TEST(Comsol, StressStatesAndJacobian) {
   EXPECT_GT(exact.G, 1.01);
   EXPECT_LT(worst, 1e-7);
   std::printf("dS/dF against differences: %.1e\n", worst);
+}
+
+TEST(Comsol, AnActiveElasticLaw) {
+  Comsol comsol;
+  comsol.parameters[1] = comsol.parameters[2] = 0;  // of law 0
+  comsol.parameters.resize(21);
+  comsol.parameters[19] = 1;  // PROPS(19): Roehrle
+  comsol.parameters[20] = 0.2;
+  myogrowth::State<> state;
+  state.n0 = {0.6, 0.48, 0.64};
+  const double t = 0.5, activation = 0.2;
+  const auto u =
+      myogrowth::update(myogrowth::FibreGrowthOf<myogrowth::Roehrle<>>(), on_path(t), state, t, activation);
+  ASSERT_EQ(comsol.evaluate(on_path(t), t), 0);
+  EXPECT_GT(u.state.G, 1.005);
+  EXPECT_EQ(comsol.states[0], u.state.G);
+  const int r[6] = {0, 1, 2, 1, 0, 0}, c[6] = {0, 1, 2, 2, 2, 1};
+  for (int a = 0; a < 6; ++a)
+    EXPECT_NEAR(comsol.S[a], u.second_piola()(r[a], c[a]), 1e-12 * u.second_piola().norm());
 }
 
 TEST(Comsol, WhatIsNotAllowedIsRefusedAndStatesStay) {
