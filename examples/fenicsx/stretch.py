@@ -177,5 +177,12 @@ def arguments():
 
 
 if __name__ == "__main__":
-    with files.faults_in_one_line("stretch.py", RuntimeError, myogrowth.MyogrowthError):  # of Newton's method; F
-        run(arguments())
+    try:
+        with files.faults_in_one_line("stretch.py", RuntimeError, myogrowth.MyogrowthError):  # of Newton's method; F
+            run(arguments())
+    except SystemExit as end:
+        if end.code and MPI.COMM_WORLD.size > 1:  # the other processes would wait for this one
+            if isinstance(end.code, str):
+                print(end.code, file=sys.stderr, flush=True)
+            MPI.COMM_WORLD.Abort(end.code if isinstance(end.code, int) else 1)
+        raise

@@ -115,6 +115,10 @@ class Cube(Case):
             self.assertEqual(done.returncode, status)
             self.assertIn(message, done.stderr)
             self.assertNotIn("Traceback", done.stderr)
+        (self.folder / "history.csv").mkdir()  # which only the first process writes, and the second one waited for it
+        done = self.stretch("cube", "--days", 0.1, ranks=2, ok=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("history.csv: cannot be written: it is a folder", done.stderr)
         self.assertIn("there is no --angle of the cylinder", self.stretch("cylinder", "--angle", 30, ok=False).stderr)
 
 
