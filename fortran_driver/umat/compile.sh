@@ -25,11 +25,10 @@ for name in omi_for_c.h aba_for_c.h; do echo '#define FOR_NAME(name, ...) name##
 # have no case, a folder's name ends with a backslash, a path begins at the file with the line. Published UMATs have
 # directives in capitals, with '...' for "..." and blanks before them. (A # in column 6 of fixed form continues a line.)
 declare -A place
-find_included() { # FILE NAME: sets found, empty if there is no such file
-  local folder path base steps
-  folder=$(cd "$(dirname "$1")" && pwd -P)
+find_included() { # FOLDER NAME: sets found, empty if there is no such file
+  local folder=$1 path base steps
   found=${place[$folder:$2]:-}
-  [ -z "$found" ] || return 0
+  [ -z "${place[$folder:$2]+known}" ] || return 0
   read -r path <<<"${2//\\//}" || true  # blanks around it do not count
   case "${path,,}" in
     aba_param.inc | aba_param_dp.inc) found=$here/ABA_PARAM.INC ;;
@@ -51,13 +50,15 @@ find_included() { # FILE NAME: sets found, empty if there is no such file
 }
 in_unit=false
 expand() { # FILE, THE FILES THAT INCLUDE IT
-  local number line name found last=0
+  local folder number line name found last=0
+  folder=$(cd "$(dirname "$1")" && pwd -P)
   echo "# 1 \"$1\""
   while IFS=: read -r number line; do
-    name=$(sed -E "s/^[^'\"<]*['\"<]([^'\">]+).*/\1/" <<<"$line")
-    find_included "$1" "$name"
+    [[ "$line" =~ [\'\"\<]([^\'\"\>]+) ]]
+    name=${BASH_REMATCH[1]}
+    find_included "$folder" "$name"
     # C's headers may say #pragma once: only those that the compiler does not find are put in place.
-    if [ -z "$found" ] || { [ ${#fortran[@]} -eq 0 ] && [ -f "$(dirname "$1")/$name" ]; }; then continue; fi
+    if [ -z "$found" ] || { [ ${#fortran[@]} -eq 0 ] && [ -f "$folder/$name" ]; }; then continue; fi
     for name in "$@"; do [ ! "$name" -ef "$found" ] || continue 2; done
     # Before the first routine nothing can be declared.
     $in_unit || ! awk -v n="$number" 'NR >= n { exit } { sub(/!.*/, "") }
