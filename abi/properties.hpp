@@ -95,8 +95,9 @@ constexpr int n_statev_required = 1;  ///< G has to be remembered
   X(integration, "-", "of eq. 4 in time 0: backward Euler, 1: second order (flow at mid-step stretch)", 0,   \
     zero_or_one)                                                                                             \
   X(tolerance, "-", "of the time error of G in a step, for advice by PNEWDT; 0: no advice", 0, not_negative) \
-  X(tau_rev, "time", "time constant of removal; 0: nothing is removed, and 15-17 are not used", 0,           \
-    not_negative)                                                                                            \
+  X(tau_rev, "time",                                                                                         \
+    "time constant of removal; 0: nothing is removed, and gamma_rev, G_min, lambda_crit_rev are not used",   \
+    0, not_negative)                                                                                         \
   X(gamma_rev, "-", "shape exponent of removal; required if tau_rev > 0", 0, not_negative)                   \
   X(G_min, "-", "smallest relative serial sarcomere number; required if tau_rev > 0", 0, below_one)          \
   X(lambda_crit_rev, "-",                                                                                    \

@@ -295,9 +295,8 @@ _SYMBOLS = [symbol for symbol, *_ in _core.parameters()]
 
 
 def _by_name(text: str) -> str:
-    """What the C API says by numbers, PROPS(5) = 0.9: G_max, ... or 15-17, by the names that entries have here."""
+    """What the C API says by numbers, PROPS(5) = 0.9: G_max, ..., by the names that entries have here."""
     text = re.sub(r"PROPS\(\d+\) = (.+?): (\w+), ", r"\2 = \1: ", text)
-    text = re.sub(r"\b(\d+)-(\d+) are", lambda m: ", ".join(_SYMBOLS[int(m[1]) - 1:int(m[2])]) + " are", text)
     return re.sub(r"PROPS\((\d+)\)", lambda m: _SYMBOLS[int(m[1]) - 1], text)
 
 
