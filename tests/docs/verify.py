@@ -196,12 +196,14 @@ def named(claim):
 
 
 def report(build, logs):
+    outputs = outputs_of(logs)  # before ctest is asked what it knows: that begins LastTest.log anew
     known = known_tests(build)
     claimed = {claim.text: names_of(claim, known) for claims in CLAIMS.values() for claim in claims}
     for text, names in claimed.items():
         if not names or not all("command" in known[name] for name in names):
             sys.exit(f"{text}: its tests do not exist, or are not built: {names}")
-    outputs = outputs_of(logs or [run(build, sum(claimed.values(), []))])
+    if not logs:
+        outputs = outputs_of([run(build, sum(claimed.values(), []))])
     compiler = re.search(r"CMAKE_CXX_COMPILER:\w+=(.*)", (build / "CMakeCache.txt").read_text()).group(1)
     text = [INTRODUCTION, "These figures: " + subprocess.run([compiler, "--version"], capture_output=True, text=True)
             .stdout.splitlines()[0] + ".\n"]
