@@ -38,6 +38,14 @@ struct Isotropic {
   }
 };
 
+// Growth at one rate, at the limit too.
+struct Steady : Isotropic {
+  template <class T>
+  T rate(const T&, const Mat3<T>&, const Vec3<T>&) const {
+    return T(2);
+  }
+};
+
 const Vec3<double> n0 = Vec3<double>(2, 1, -2) / 3;
 const Mat3<double> stretched = (Mat3<double>() << 1.1, 0.1, 0, -0.05, 1.05, 0.02, 0, 0.1, 0.98).finished();
 
@@ -93,6 +101,13 @@ TEST(GrowthLaw, TheEndsOfTheWay) {
   EXPECT_EQ(full.g, 1.1);
   EXPECT_EQ(full.dg_dF.norm(), 0);
   EXPECT_TRUE(full.ok());
+  EXPECT_NEAR(update(Steady(), elasticity, stretched, n0, 1, 0.2).g, 1.4, 1e-15);
+  const LawUpdate cut =
+      update(Steady(), elasticity, stretched, n0, 1, 0.3);  // 1.6, were it not for the limit
+  const LawUpdate held = update(Steady(), elasticity, stretched, n0, 1.5, 0);
+  EXPECT_EQ(cut.g, 1.5);
+  EXPECT_EQ(cut.P, held.P);
+  EXPECT_EQ(cut.dP_dF, held.dP_dF);
 }
 
 // A law whose derivative is not that of its rate: Newton's steps are then 10,000 times too short.
