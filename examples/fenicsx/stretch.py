@@ -12,6 +12,7 @@ import math
 import pathlib
 import sys
 import time
+import traceback
 
 import numpy as np
 import ufl
@@ -180,9 +181,10 @@ if __name__ == "__main__":
     try:
         with files.faults_in_one_line("stretch.py", RuntimeError, myogrowth.MyogrowthError):  # of Newton's method; F
             run(arguments())
-    except SystemExit as end:
-        if end.code and MPI.COMM_WORLD.size > 1:  # the other processes would wait for this one
-            if isinstance(end.code, str):
-                print(end.code, file=sys.stderr, flush=True)
-            MPI.COMM_WORLD.Abort(end.code if isinstance(end.code, int) else 1)
+    except BaseException as end:  # of any kind: the other processes would wait for this one
+        status = end.code if isinstance(end, SystemExit) else traceback.format_exc()
+        if status and MPI.COMM_WORLD.size > 1:
+            if isinstance(status, str):
+                print(status, file=sys.stderr, flush=True)
+            MPI.COMM_WORLD.Abort(status if isinstance(status, int) else 1)
         raise

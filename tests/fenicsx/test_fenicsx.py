@@ -43,6 +43,17 @@ strip = stretch.myogrowth.simulate(parameters, [0.0, 0.1], [1.0, 1.1], activatio
 print(pull.reaction(newton.forces()), strip.force[1])
 """
 
+# An error that is no reported fault, in the second process only.
+BROKEN = """
+import runpy, sys
+from mpi4py import MPI
+import myogrowth
+if MPI.COMM_WORLD.rank == 1:
+    myogrowth.update = None
+sys.argv = sys.argv[1:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+
 
 def read(path):
     with open(path) as f:
@@ -119,6 +130,10 @@ class Cube(Case):
         done = self.stretch("cube", "--days", 0.1, ranks=2, ok=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("history.csv: cannot be written: it is a folder", done.stderr)
+        done = subprocess.run(["mpirun", "-q", "-n", "2", sys.executable, "-c", BROKEN, str(STRETCH), "cube", "--out", self.folder / "broken"],
+                              env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("TypeError", done.stderr)
         self.assertIn("there is no --angle of the cylinder", self.stretch("cylinder", "--angle", 30, ok=False).stderr)
 
 
